@@ -1,0 +1,178 @@
+"""Plain data -> a pydantic model, or every fault at once, each in the words of the file's own keys."""
+
+from __future__ import annotations
+
+import difflib
+import typing
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import ErrorDetails
+
+from companion.config.document import Document
+from companion.config.faults import ConfigError, Fault, Key
+
+
+class Strict(BaseModel):
+    """The base of every file model: unknown keys are faults, numbers are finite, text is not silently a number."""
+
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+
+
+M = TypeVar("M", bound=BaseModel)
+
+
+def validate(document: Document, model: type[M]) -> M:
+    """The document as ``model``. ConfigError with every fault."""
+    if not isinstance(document.data, dict):
+        found = "empty" if document.data is None else f"a {_kind(document.data)}"
+        raise ConfigError([document.fault((), f"the file is {found}; expected keys such as {_some_keys(model)}")])
+    try:
+        return model.model_validate(document.data)
+    except ValidationError as error:
+        raise ConfigError([_fault(document, model, details) for details in error.errors()]) from None
+
+
+def _some_keys(model: type[BaseModel]) -> str:
+    return ", ".join(list(model.model_fields)[:4])
+
+
+def _kind(value: Any) -> str:
+    return {dict: "mapping", list: "list", str: "text", bool: "true/false value", type(None): "empty value"}.get(
+        type(value), "number"
+    )
+
+
+def _shown(value: Any) -> str:
+    text = "nothing" if value is None else repr(value) if isinstance(value, str) else str(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) -> Fault:
+    key = _key_in(document, details["loc"])
+    expected = _description(model, details["loc"])
+    given = _shown(details["input"])
+    context = details.get("ctx", {})
+    match details["type"]:
+        case "missing":
+            return document.fault(key, f"missing; expected {expected or 'a value'}")
+        case "extra_forbidden":
+            siblings = _siblings(model, details["loc"])
+            close = difflib.get_close_matches(str(key[-1]), siblings, 1, cutoff=0.6)
+            hint = f"did you mean {close[0]}?" if close else f"expected one of {', '.join(siblings)}"
+            return document.fault(key, f"unknown key; {hint}")
+        case "value_error" | "assertion_error":
+            return document.fault(key, str(context["error"]))
+        case "literal_error" | "enum":
+            return document.fault(key, f"{given} is not known; expected {context['expected']}")
+        case "union_tag_invalid":
+            return document.fault(
+                (*key, "kind"), f"{given_tag(details)} is not known; expected {context['expected_tags']}"
+            )
+        case "union_tag_not_found":
+            return document.fault((*key, "kind"), f"missing; expected {expected or 'the kind'}")
+        case "greater_than":
+            wrong, wanted = "too small", f"more than {context['gt']:g}"
+        case "greater_than_equal":
+            wrong, wanted = "too small", f"at least {context['ge']:g}"
+        case "less_than":
+            wrong, wanted = "too large", f"less than {context['lt']:g}"
+        case "less_than_equal":
+            wrong, wanted = "too large", f"at most {context['le']:g}"
+        case "too_short":
+            wrong, wanted = f"{context['actual_length']} of them", f"at least {context['min_length']}"
+            return document.fault(key, f"{wrong}; expected {wanted}{_also(expected)}")
+        case "too_long":
+            wrong, wanted = f"{context['actual_length']} of them", f"at most {context['max_length']}"
+            return document.fault(key, f"{wrong}; expected {wanted}{_also(expected)}")
+        case "finite_number":
+            wrong, wanted = "not finite", "a finite number"
+        case "float_type" | "float_parsing" | "int_type" | "int_from_float":
+            wrong, wanted = "not a number", "a number"
+            if details["type"] == "int_from_float" or (
+                details["type"] == "int_type" and isinstance(details["input"], float)
+            ):
+                wrong, wanted = "not a whole number", "a whole number"
+        case "string_type":
+            wrong, wanted = "not text", "text"
+        case "bool_type":
+            wrong, wanted = "neither true nor false", "true or false"
+        case "list_type" | "tuple_type":
+            wrong, wanted = "not a list", "a list"
+        case "model_type" | "dict_type" | "model_attributes_type":
+            wrong, wanted = "not a mapping", "keys and values"
+        case _:
+            wrong, wanted = details["msg"].lower(), ""
+    wanted_text = f"; expected {wanted}{_also(expected)}" if wanted else f"; expected {expected}" if expected else ""
+    return document.fault(key, f"{given} is {wrong}{wanted_text}")
+
+
+def given_tag(details: ErrorDetails) -> str:
+    """The value of a union's ``kind`` key, as shown in a fault."""
+    return _shown(details.get("ctx", {}).get("tag"))
+
+
+def _also(expected: str) -> str:
+    return f": {expected}" if expected else ""
+
+
+def _key_in(document: Document, loc: tuple[str | int, ...]) -> Key:
+    """The part of pydantic's location that is keys of the file; pydantic also puts union branches in it."""
+    key: Key = ()
+    for part in loc:
+        if (*key, part) in document.lines:
+            key = (*key, part)
+        elif part == loc[-1] and isinstance(part, str) and isinstance(_at(document.data, key), dict):
+            key = (*key, part)  # a missing key
+    return key
+
+
+def _at(data: Any, key: Key) -> Any:
+    for part in key:
+        data = data[part]
+    return data
+
+
+def _walk(model: Any, loc: tuple[str | int, ...]) -> tuple[type[BaseModel] | None, str]:
+    """The innermost model on the way to ``loc``, and the description of the field ``loc`` names."""
+    holder: type[BaseModel] | None = model
+    description = ""
+    current: list[type[BaseModel]] = [model]
+    for part in loc:
+        field = None
+        for candidate in current:
+            if isinstance(part, str) and part in candidate.model_fields:
+                holder, field = candidate, candidate.model_fields[part]
+                break
+        if field is not None:
+            description = (field.description or "").strip().rstrip(".").replace("\n", " ")
+            current = _models_in(field.annotation)
+        elif isinstance(part, str):
+            tagged = [c for c in current if _tag(c) == part or c.__name__ == part]
+            if tagged:
+                current, holder = tagged, tagged[0]
+    return (current[0] if len(current) == 1 else holder), description
+
+
+def _tag(model: type[BaseModel]) -> str | None:
+    field = model.model_fields.get("kind")
+    arguments = typing.get_args(field.annotation) if field is not None else ()
+    return arguments[0] if arguments else None
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for argument in typing.get_args(annotation) for model in _models_in(argument)]
+
+
+def _description(model: type[BaseModel], loc: tuple[str | int, ...]) -> str:
+    return _walk(model, loc)[1]
+
+
+def _siblings(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
+    holder, _ = _walk(model, loc[:-1])
+    return list(holder.model_fields) if holder is not None else []

@@ -1,0 +1,148 @@
+"""Vehicle files: a quadrotor in the units of a data sheet."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from companion.config.document import Document, parse
+from companion.config.faults import ConfigError
+from companion.config.places import find, read
+from companion.config.schema import Strict, validate
+from companion.vehicle import GRAVITY, Limits, MotorInterface, Rotor, Spin, Vehicle
+
+Metres = Annotated[float, Field(ge=-5.0, le=5.0)]
+
+
+class RotorModel(Strict):
+    """One rotor."""
+
+    position_m: Annotated[list[Metres], Field(min_length=3, max_length=3)]
+    """the rotor's place [forward, right, down] from the centre of mass, in m"""
+    spin: Literal["ccw", "cw"]
+    """the rotor's sense of turning seen from above, ccw or cw"""
+    thrust_max_n: Annotated[float, Field(gt=0.0, le=5000.0)]
+    """the thrust at command 1, in N"""
+    torque_per_thrust_m: Annotated[float, Field(gt=0.0, lt=1.0)]
+    """reaction torque over thrust, in m (about 0.01 to 0.03)"""
+    command: Annotated[list[float], Field(min_length=2, max_length=2)] = [0.0, 1.0]
+    """the range of motor commands [lowest, highest], thrust being command times thrust_max_n"""
+
+    @field_validator("command")
+    @classmethod
+    def _is_a_range(cls, command: list[float]) -> list[float]:
+        low, high = command
+        if not (-1.0 <= low < high <= 1.0 and high > 0.0):
+            raise ValueError(f"{command} is no range of commands; expected lowest < highest, both within -1..1")
+        return command
+
+
+class LimitsModel(Strict):
+    """What the vehicle may be asked for."""
+
+    tilt_deg: Annotated[float, Field(gt=0.0, le=80.0)] = 45.0
+    """the largest tilt the path may ask for, in degrees"""
+    body_rate_dps: Annotated[list[Annotated[float, Field(gt=0.0, le=2000.0)]], Field(min_length=3, max_length=3)] = [
+        220.0,
+        220.0,
+        85.0,
+    ]
+    """the largest body rates [roll, pitch, yaw], in degrees per second"""
+    speed: Annotated[float, Field(gt=0.0, le=100.0)] = 12.0
+    """the largest speed, in m/s"""
+
+    @field_validator("tilt_deg")
+    @classmethod
+    def _tilt_in_degrees(cls, tilt: float) -> float:
+        if tilt < 2.0:
+            raise ValueError(f"{tilt:g} is under two degrees; expected degrees, is this in radians?")
+        return tilt
+
+    @field_validator("body_rate_dps")
+    @classmethod
+    def _rates_in_degrees(cls, rates: list[float]) -> list[float]:
+        if max(rates) < 10.0:
+            raise ValueError(f"{rates} is very slow; expected degrees per second, is this in rad/s?")
+        return rates
+
+
+class VehicleModel(Strict):
+    """A vehicle file."""
+
+    name: str
+    """the vehicle's name"""
+    mass_kg: Annotated[float, Field(gt=0.0, le=500.0)]
+    """the take-off mass in kg"""
+    inertia_kgm2: Annotated[list[Annotated[float, Field(gt=0.0, le=1000.0)]], Field(min_length=3, max_length=3)]
+    """the moments of inertia [roll, pitch, yaw], in kg m^2"""
+    gravity: Annotated[float, Field(gt=0.0, le=30.0)] = GRAVITY
+    """the acceleration of gravity, in m/s^2"""
+    rotors: Annotated[list[RotorModel], Field(min_length=4, max_length=4)]
+    """the four rotors in the autopilot's motor order"""
+    motor_lag_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    """the time constant of a motor's thrust, in s"""
+    drag_per_s: Annotated[float, Field(ge=0.0, le=5.0)] = 0.0
+    """linear drag over mass, in 1/s"""
+    hover_thrust: Annotated[float, Field(gt=0.0, lt=1.0)] | Literal["auto"] = "auto"
+    """the normalised thrust that hovers, 0..1, or auto to learn it"""
+    rate_loop_lag_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.06
+    """how late the autopilot's rate loop follows, in s"""
+    link_delay_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.01
+    """the delay of the link, state to setpoint, in s"""
+    state_rate_hz: Annotated[float, Field(ge=20.0, le=2000.0)] = 250.0
+    """how often the vehicle is asked for its state, in Hz"""
+    motors: Literal["px4", "direct"] = "px4"
+    """px4 where the autopilot mixes, direct where it takes motor commands"""
+    limits: LimitsModel | Literal["none"] = LimitsModel()
+    """what the vehicle may be asked for (tilt_deg, body_rate_dps, speed), or none"""
+
+    @field_validator("inertia_kgm2")
+    @classmethod
+    def _of_a_rigid_body(cls, inertia: list[float]) -> list[float]:
+        if 2.0 * max(inertia) > sum(inertia) * (1.0 + 1e-9):
+            raise ValueError(f"{inertia} is no rigid body's; expected each moment to be at most the sum of the others")
+        return inertia
+
+
+def load_vehicle(name: str) -> Vehicle:
+    """The vehicle of a name in configs/vehicles or a path. ConfigError with every fault."""
+    path = find(name, "vehicles")
+    return vehicle_from(parse(read(path), str(path)))
+
+
+def vehicle_from(document: Document) -> Vehicle:
+    """The vehicle a document describes. ConfigError with every fault."""
+    model = validate(document, VehicleModel)
+    thrust = sum(rotor.thrust_max_n * max(rotor.command) for rotor in model.rotors)
+    weight = model.mass_kg * model.gravity
+    if thrust < 1.1 * weight:
+        message = f"weighs {weight:.4g} N but the rotors lift {thrust:.4g} N at most; expected a tenth to spare"
+        raise ConfigError([document.fault(("mass_kg",), message)])
+    limits = None
+    if isinstance(model.limits, LimitsModel):
+        roll, pitch, yaw = map(math.radians, model.limits.body_rate_dps)
+        limits = Limits(math.radians(model.limits.tilt_deg), (roll, pitch, yaw), model.limits.speed)
+    x, y, z = model.inertia_kgm2
+    return Vehicle(
+        name=model.name,
+        mass=model.mass_kg,
+        inertia=(x, y, z),
+        gravity=model.gravity,
+        rotors=tuple(_rotor(rotor) for rotor in model.rotors),
+        motor_lag=model.motor_lag_s,
+        drag=model.drag_per_s,
+        hover_thrust=None if model.hover_thrust == "auto" else model.hover_thrust,
+        rate_loop_lag=model.rate_loop_lag_s,
+        link_delay=model.link_delay_s,
+        motors=MotorInterface(model.motors),
+        state_rate=model.state_rate_hz,
+        limits=limits,
+    )
+
+
+def _rotor(model: RotorModel) -> Rotor:
+    x, y, z = model.position_m
+    low, high = model.command
+    return Rotor((x, y, z), Spin(model.spin), model.thrust_max_n, model.torque_per_thrust_m, (low, high))

@@ -1,0 +1,164 @@
+"""Bytes <-> frames: MAVLink 2 (and MAVLink 1 on the way in) on the dialect's tables.
+
+Every frame of a message we know is checked against its CRC, including those nobody asked for: a false start byte must
+not swallow the good frame behind it. What cannot be decoded is counted, never raised.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from fastcrc.crc16 import mcrf4xx
+
+from companion.mavlink.dialect import FORMATS, Format, Value
+
+MAGIC_V2 = 0xFD
+MAGIC_V1 = 0xFE
+SIGNED = 0x01
+SIGNATURE_SIZE = 13
+
+_START = re.compile(b"[\xfd\xfe]")
+
+
+class Frame(NamedTuple):
+    """One decoded message: ``values`` flat in wire order (see ``dialect.Format``), ``raw`` the bytes as they came."""
+
+    format: Format
+    system: int
+    component: int
+    values: tuple[Value, ...]
+    raw: bytes
+
+
+@dataclass(slots=True)
+class Counters:
+    """What a decoder has seen. ``lost``: frames missing by their senders' sequence numbers."""
+
+    frames: int = 0
+    unknown: int = 0
+    bad_crc: int = 0
+    garbage_bytes: int = 0
+    lost: int = 0
+
+
+@dataclass(slots=True)
+class Decoder:
+    """Decodes what one peer sends. ``wanted``: the message ids to unpack; None for every known one."""
+
+    wanted: Collection[int] | None = None
+    counters: Counters = field(default_factory=Counters)
+    _sequence: dict[tuple[int, int], int] = field(default_factory=dict)
+    _pending: bytes = b""
+
+    def datagram(self, data: bytes) -> list[Frame]:
+        """The frames in one datagram. What is left over does not touch the next datagram. Never raises."""
+        frames, used = self._scan(data)
+        self.counters.garbage_bytes += len(data) - used
+        return frames
+
+    def stream(self, chunk: bytes) -> list[Frame]:
+        """The frames completed by ``chunk`` of a byte stream (a serial line). Never raises."""
+        data = self._pending + chunk
+        frames, used = self._scan(data)
+        self._pending = data[used:]
+        return frames
+
+    def _scan(self, data: bytes) -> tuple[list[Frame], int]:
+        """The frames in ``data`` and how many bytes are dealt with: all but a frame that might still be arriving."""
+        frames: list[Frame] = []
+        counters = self.counters
+        wanted = self.wanted
+        size = len(data)
+        done = 0  # everything before is decoded or counted as garbage
+        unfinished = size  # where the first frame begins that runs past the end
+        unknown: tuple[int, int] | None = None  # a frame without a CRC to check: believed when nothing good is inside
+        at = -1
+        while True:
+            found = _START.search(data, at + 1)
+            at = size if found is None else found.start()
+            if unknown is not None and at >= unknown[1]:
+                counters.unknown += 1
+                counters.garbage_bytes += unknown[0] - done
+                done = unknown[1]
+                unknown = None
+            if at == size:
+                break
+            signature = 0
+            end = size + 1
+            if data[at] == MAGIC_V2:
+                header = 10
+                if size - at >= 12:
+                    length, flags, _, sequence, system, component, low, middle, high = data[at + 1 : at + 10]
+                    if flags & ~SIGNED:  # the specification: discard what asks for something we do not know
+                        continue
+                    if flags:
+                        signature = SIGNATURE_SIZE
+                    msgid = low | middle << 8 | high << 16
+                    end = at + 12 + length + signature
+            else:
+                header = 6
+                if size - at >= 8:
+                    length, sequence, system, component, msgid = data[at + 1 : at + 6]
+                    end = at + 8 + length
+            if end > size:
+                unfinished = min(unfinished, at)
+                continue
+            fmt = FORMATS.get(msgid)
+            if fmt is None:
+                fits = end == size or data[end] in (MAGIC_V1, MAGIC_V2)
+                if fits and unknown is None and unfinished == size:
+                    unknown = (at, end)
+                continue
+            check = end - signature - 2
+            if mcrf4xx(fmt.crc_extra_byte, mcrf4xx(data[at + 1 : check])) != data[check] | data[check + 1] << 8:
+                counters.bad_crc += 1
+                continue
+            counters.frames += 1
+            key = (system, component)
+            last = self._sequence.get(key)
+            if last is not None:
+                counters.lost += (sequence - last - 1) & 0xFF
+            self._sequence[key] = sequence
+            if wanted is None or msgid in wanted:
+                payload = data[at + header : check]
+                if length < fmt.size:
+                    payload += bytes(fmt.size - length)
+                elif length > fmt.size:
+                    payload = payload[: fmt.size]
+                frames.append(Frame(fmt, system, component, fmt.unpack(payload), data[at:end]))
+            counters.garbage_bytes += at - done
+            done = end
+            unfinished = size
+            unknown = None
+            at = end - 1
+        counters.garbage_bytes += unfinished - done
+        return frames, unfinished
+
+
+@dataclass(slots=True)
+class Encoder:
+    """Frames messages as one MAVLink component: MAVLink 2, unsigned, sequence numbers counted here."""
+
+    system: int
+    component: int
+    sequence: int = 0
+
+    def encode(self, fmt: Format, values: tuple[Value, ...]) -> bytes:
+        """The frame of ``values`` (flat, wire order), its trailing zero bytes cut. struct.error: it does not fit."""
+        payload = fmt.pack(*values).rstrip(b"\0") or b"\0"
+        body = bytes(
+            (
+                len(payload), 0, 0, self.sequence, self.system, self.component,
+                fmt.id & 0xFF, fmt.id >> 8 & 0xFF, fmt.id >> 16,
+            )
+        ) + payload  # fmt: skip
+        self.sequence = (self.sequence + 1) & 0xFF
+        crc = mcrf4xx(fmt.crc_extra_byte, mcrf4xx(body))
+        return b"\xfd" + body + bytes((crc & 0xFF, crc >> 8))
+
+    def message(self, fmt: Format, **fields: Value) -> bytes:
+        """The frame of a message given by field names; fields left out are zero. Not for the hot path."""
+        return self.encode(fmt, fmt.values(**fields))

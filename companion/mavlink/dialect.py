@@ -1,0 +1,163 @@
+"""The messages we can read and write: pymavlink's generated tables, and the few messages of PX4 they lack.
+
+pymavlink's wheel is generated from ArduPilot's fork of the definitions. It has no EVENT, CURRENT_EVENT_SEQUENCE or
+PARAM_ERROR, and its SET_ATTITUDE_TARGET lacks the extension field ``thrust_body``; those are declared below from the
+MAVLink specification, and their CRC extras are computed by its rule.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from typing import Any
+
+from fastcrc.crc16 import mcrf4xx
+from pymavlink.dialects.v20 import development as _pymavlink
+
+Value = Any  # int | float | bytes: what struct yields. A union here would put a cast on every arithmetic line.
+
+_TYPE_CODES = {
+    "char": "c",
+    "uint8_t": "B",
+    "int8_t": "b",
+    "uint16_t": "H",
+    "int16_t": "h",
+    "uint32_t": "I",
+    "int32_t": "i",
+    "uint64_t": "Q",
+    "int64_t": "q",
+    "float": "f",
+    "double": "d",
+}
+
+
+class Format:
+    """One message on the wire.
+
+    ``fields`` are in wire order. ``values`` means the flat tuple that struct packs and unpacks: one entry a scalar, one
+    entry an array element, one ``bytes`` a string. ``where`` gives each field's index, or slice for an array, in it.
+    """
+
+    __slots__ = ("crc_extra", "crc_extra_byte", "fields", "id", "name", "pack", "size", "unpack", "where", "zero")
+
+    def __init__(self, msgid: int, name: str, layout: str, fields: Mapping[str, int], crc_extra: int) -> None:
+        packer = struct.Struct(layout)
+        self.id = msgid
+        self.name = name
+        self.size = packer.size
+        self.crc_extra = crc_extra
+        self.crc_extra_byte = bytes([crc_extra])
+        self.pack = packer.pack
+        self.unpack = packer.unpack
+        self.fields = tuple(fields)
+        self.where: dict[str, int | slice] = {}
+        at = 0
+        for field, length in fields.items():
+            self.where[field] = slice(at, at + length) if length else at
+            at += length or 1
+        self.zero = packer.unpack(bytes(packer.size))
+
+    def values(self, **fields: Value) -> tuple[Value, ...]:
+        """The flat values with ``fields`` set and the rest zero. Strings may be ``str``. KeyError: no such field."""
+        flat = list(self.zero)
+        for field, value in fields.items():
+            where = self.where[field]
+            if isinstance(where, slice):
+                if len(value) != where.stop - where.start:
+                    raise ValueError(f"{self.name}.{field} takes {where.stop - where.start} values, not {len(value)}")
+                flat[where] = value
+            else:
+                flat[where] = value.encode() if isinstance(value, str) else value
+        return tuple(flat)
+
+    def named(self, values: tuple[Value, ...]) -> dict[str, Value]:
+        """The values by field name, arrays as tuples, strings as ``str`` without padding. Not for the hot path."""
+        result: dict[str, Value] = {}
+        for field in self.fields:
+            value: Value = values[self.where[field]]
+            result[field] = value.split(b"\0")[0].decode("utf-8", "replace") if isinstance(value, bytes) else value
+        return result
+
+    def __repr__(self) -> str:
+        return f"<{self.name} {self.id}>"
+
+
+def _declare(msgid: int, name: str, fields: str, extensions: str = "") -> Format:
+    """A Format from a declaration in XML order, e.g. ``"uint32_t id, uint8_t arguments[40]"``.
+
+    The wire order is by falling size of the type, extensions last and as declared; the CRC extra is that of the name
+    and the non-extension fields (MAVLink serialisation guide).
+    """
+
+    def parse(text: str) -> list[tuple[str, str, int]]:
+        parsed = []
+        for item in filter(None, (part.strip() for part in text.split(","))):
+            type_name, _, field = item.partition(" ")
+            field, _, length = field.strip().partition("[")
+            parsed.append((type_name, field, int(length.rstrip("]") or 0)))
+        return parsed
+
+    ordered = sorted(parse(fields), key=lambda f: -struct.calcsize(_TYPE_CODES[f[0]]))
+    seed = f"{name} "
+    for type_name, field, length in ordered:
+        seed += f"{type_name} {field} " + (chr(length) if length else "")
+    crc = mcrf4xx(seed.encode("latin-1"))
+    everything = ordered + parse(extensions)
+    layout = "<" + "".join(
+        f"{length}s" if type_name == "char" and length else f"{length or ''}{_TYPE_CODES[type_name]}"
+        for type_name, _, length in everything
+    )
+    lengths = {field: 0 if type_name == "char" else length for type_name, field, length in everything}
+    return Format(msgid, name, layout, lengths, (crc & 0xFF) ^ (crc >> 8))
+
+
+def _from_pymavlink(message: Any) -> Format:
+    fields = {}
+    for field, length, array_length in zip(
+        message.ordered_fieldnames, message.lengths, message.array_lengths, strict=True
+    ):
+        fields[field] = 0 if array_length == 0 or length == 1 else length
+    return Format(message.id, message.msgname, message.unpacker.format, fields, message.crc_extra)
+
+
+FORMATS: dict[int, Format] = {msgid: _from_pymavlink(message) for msgid, message in _pymavlink.mavlink_map.items()}
+for _format in (
+    _declare(
+        82,
+        "SET_ATTITUDE_TARGET",
+        "uint32_t time_boot_ms, uint8_t target_system, uint8_t target_component, uint8_t type_mask, float q[4], "
+        "float body_roll_rate, float body_pitch_rate, float body_yaw_rate, float thrust",
+        extensions="float thrust_body[3]",
+    ),
+    _declare(
+        345,
+        "PARAM_ERROR",
+        "uint8_t target_system, uint8_t target_component, char param_id[16], int16_t param_index, uint8_t error",
+    ),
+    _declare(
+        410,
+        "EVENT",
+        "uint8_t destination_component, uint8_t destination_system, uint32_t id, uint32_t event_time_boot_ms, "
+        "uint16_t sequence, uint8_t log_levels, uint8_t arguments[40]",
+    ),
+    _declare(411, "CURRENT_EVENT_SEQUENCE", "uint16_t sequence, uint8_t flags"),
+    _declare(
+        412,
+        "REQUEST_EVENT",
+        "uint8_t target_system, uint8_t target_component, uint16_t first_sequence, uint16_t last_sequence",
+    ),
+    _declare(
+        413,
+        "RESPONSE_EVENT_ERROR",
+        "uint8_t target_system, uint8_t target_component, uint16_t sequence, uint16_t sequence_oldest_available, "
+        "uint8_t reason",
+    ),
+):
+    FORMATS[_format.id] = _format
+
+BY_NAME: dict[str, Format] = {fmt.name: fmt for fmt in FORMATS.values()}
+
+
+def message(name: str) -> Format:
+    """The Format called ``name``. KeyError if there is none."""
+    return BY_NAME[name]
