@@ -1,7 +1,7 @@
 """YAML -> plain data that remembers the line of every key.
 
-Numbers and booleans follow YAML 1.2's core schema: ``1e3`` is a number, ``12:30``, ``yes`` and ``on`` are text. Duplicate
-keys, anchors and tags are faults: a file that flies a machine says everything once, in the open.
+Numbers and booleans follow YAML 1.2's core schema: ``1e3`` is a number, ``12:30``, ``yes`` and ``on`` are text.
+Duplicate keys, anchors and tags are faults: a file that flies a machine says everything once, in the open.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ DEPTH_MAX = 20
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A parsed file: ``data`` plain (dict, list, str, int, float, bool, None), ``lines`` the line of every key in it."""
+    """A parsed file: ``data`` plain (dict, list, str, int, float, bool, None), ``lines`` the line of every key."""
 
     file: str
     data: Any

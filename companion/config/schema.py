@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import typing
-from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -108,11 +107,6 @@ def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) ->
             wrong, wanted = details["msg"].lower(), ""
     wanted_text = f"; expected {wanted}{_also(expected)}" if wanted else f"; expected {expected}" if expected else ""
     return document.fault(key, f"{given} is {wrong}{wanted_text}")
-
-
-def given_tag(details: ErrorDetails) -> str:
-    """The value of a union's ``kind`` key, as shown in a fault."""
-    return _shown(details.get("ctx", {}).get("tag"))
 
 
 def _also(expected: str) -> str:
