@@ -68,9 +68,8 @@ def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) ->
         case "literal_error" | "enum":
             return document.fault(key, f"{given} is not known; expected {context['expected']}")
         case "union_tag_invalid":
-            return document.fault(
-                (*key, "kind"), f"{given_tag(details)} is not known; expected {context['expected_tags']}"
-            )
+            tag = _shown(context["tag"])
+            return document.fault((*key, "kind"), f"{tag} is not known; expected {context['expected_tags']}")
         case "union_tag_not_found":
             return document.fault((*key, "kind"), f"missing; expected {expected or 'the kind'}")
         case "greater_than":

@@ -13,6 +13,7 @@ from companion.config.places import find, read
 from companion.config.schema import Strict, validate
 from companion.vehicle import GRAVITY, Limits, MotorInterface, Rotor, Spin, Vehicle
 
+Rate = Annotated[float, Field(gt=0.0, le=2000.0)]
 Metres = Annotated[float, Field(ge=-5.0, le=5.0)]
 
 
@@ -27,7 +28,7 @@ class RotorModel(Strict):
     """the thrust at command 1, in N"""
     torque_per_thrust_m: Annotated[float, Field(gt=0.0, lt=1.0)]
     """reaction torque over thrust, in m (about 0.01 to 0.03)"""
-    command: Annotated[list[float], Field(min_length=2, max_length=2, default_factory=lambda: [0.0, 1.0])]
+    command: Annotated[list[float], Field(min_length=2, max_length=2)] = Field(default_factory=lambda: [0.0, 1.0])
     """the range of motor commands [lowest, highest], thrust being command times thrust_max_n"""
 
     @field_validator("command")
@@ -44,10 +45,9 @@ class LimitsModel(Strict):
 
     tilt_deg: Annotated[float, Field(gt=0.0, le=80.0)] = 45.0
     """the largest tilt the path may ask for, in degrees"""
-    body_rate_dps: Annotated[
-        list[Annotated[float, Field(gt=0.0, le=2000.0)]],
-        Field(min_length=3, max_length=3, default_factory=lambda: [220.0, 220.0, 85.0]),
-    ]
+    body_rate_dps: Annotated[list[Rate], Field(min_length=3, max_length=3)] = Field(
+        default_factory=lambda: [220.0, 220.0, 85.0]
+    )
     """the largest body rates [roll, pitch, yaw], in degrees per second"""
     speed: Annotated[float, Field(gt=0.0, le=100.0)] = 12.0
     """the largest speed, in m/s"""
@@ -94,7 +94,7 @@ class VehicleModel(Strict):
     """how often the vehicle is asked for its state, in Hz"""
     motors: Literal["px4", "direct"] = "px4"
     """px4 where the autopilot mixes, direct where it takes motor commands"""
-    limits: LimitsModel | Literal["none"] = LimitsModel()
+    limits: LimitsModel | Literal["none"] = Field(default_factory=LimitsModel)
     """what the vehicle may be asked for (tilt_deg, body_rate_dps, speed), or none"""
 
     @field_validator("inertia_kgm2")
