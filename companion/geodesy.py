@@ -1,0 +1,50 @@
+"""PX4's own map projection: azimuthal equidistant, on a sphere.
+
+PX4's local frame is defined by this and not by WGS-84; against the ellipsoid it stretches east-west ranges by up to
+0.3 % at 47 degrees north. Degrees outside, metres and radians inside.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+EARTH_RADIUS = 6371000.0
+"""m, PX4's CONSTANTS_RADIUS_OF_EARTH."""
+
+
+@dataclass(frozen=True, slots=True)
+class MapProjection:
+    """The plane that touches the sphere at (``latitude``, ``longitude``), degrees.
+
+    Distances and bearings from that point are true; everything else is nearly so for as far as a quadrotor flies.
+    """
+
+    latitude: float
+    longitude: float
+    _sin: float = field(init=False, repr=False, compare=False)
+    _cos: float = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_sin", math.sin(math.radians(self.latitude)))
+        object.__setattr__(self, "_cos", math.cos(math.radians(self.latitude)))
+
+    def project(self, latitude: float, longitude: float) -> tuple[float, float]:
+        """(north, east) in m of a point given in degrees."""
+        turn = math.radians(longitude - self.longitude)
+        sin_lat, cos_lat = math.sin(math.radians(latitude)), math.cos(math.radians(latitude))
+        cos_turn = math.cos(turn)
+        c = math.acos(max(-1.0, min(1.0, self._sin * sin_lat + self._cos * cos_lat * cos_turn)))
+        k = EARTH_RADIUS * (c / math.sin(c) if c > 0.0 else 1.0)
+        return (k * (self._cos * sin_lat - self._sin * cos_lat * cos_turn), k * cos_lat * math.sin(turn))
+
+    def reproject(self, north: float, east: float) -> tuple[float, float]:
+        """(latitude, longitude) in degrees of a point given in m; the longitude within +-180."""
+        x, y = north / EARTH_RADIUS, east / EARTH_RADIUS
+        c = math.hypot(x, y)
+        if c == 0.0:
+            return (self.latitude, self.longitude)
+        sin_c, cos_c = math.sin(c), math.cos(c)
+        latitude = math.asin(max(-1.0, min(1.0, cos_c * self._sin + x * sin_c * self._cos / c)))
+        turn = math.atan2(y * sin_c, c * self._cos * cos_c - x * self._sin * sin_c)
+        return (math.degrees(latitude), math.remainder(self.longitude + math.degrees(turn), 360.0))

@@ -1,0 +1,14 @@
+"""A vehicle made of software: flown over MAVLink in the place of a PX4 quadrotor, for tests and for trying things out.
+
+ datagrams ─► bridge ─► autopilot ─► motor commands ─► plant ─► truth ─► sensors ─► estimate ─► streams ─► datagrams
+
+The machine
+    rotors        command to thrust, thrust to torque, the motors' lag
+    rigid_body    the derivative of the motion, summed rotor by rotor
+    integrate     fixed-step Runge-Kutta
+    environment   air and ground
+    plant         all of it, one step at a time
+
+Of ``companion`` only frames, vehicle, world, geodesy and mavlink may be imported here, and never the law or the
+allocation: plant and controller are two derivations, so that a sign error cannot cancel.
+"""

@@ -1,0 +1,67 @@
+"""Runge-Kutta of fourth order with a fixed step, unrolled for the motion of a rigid body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from companion.frames import Vec3
+from sim_bridge.rigid_body import Derivative, F
+from sim_bridge.rotors import Four
+
+Motion = tuple[F, F, F, F, F, F, F, F, F, F, F, F, F]
+"""(p_n, v_n, q_nb, w_b)"""
+Advance = Callable[[Motion, tuple[Four, Four, Four], Vec3], Motion]
+"""One step: the motion, the thrusts at the step's beginning, middle and end, and the wind, to the next motion."""
+
+
+def runge_kutta(derivative: Derivative, step: float) -> Advance:
+    """One step of ``step`` s under ``derivative``; the quaternion comes out at unit length.
+
+    The classical scheme, with the position's stages summed by hand: since the derivative does not depend on the
+    position, they are those of the velocity one stage earlier.
+    """
+    half, sixth, square = 0.5 * step, step / 6.0, step * step / 6.0
+    sqrt = math.sqrt
+
+    def advance(motion: Motion, thrusts: tuple[Four, Four, Four], wind_n: Vec3) -> Motion:
+        pn, pe, pd, vn, ve, vd, qw, qx, qy, qz, p, q, r = motion
+        (f0, f1, f2, f3), (g0, g1, g2, g3), (h0, h1, h2, h3) = thrusts
+        wn, we, wd = wind_n
+        a1, b1, c1, w1, x1, y1, z1, p1, q1, r1 = derivative(
+            vn, ve, vd, qw, qx, qy, qz, p, q, r, f0, f1, f2, f3, wn, we, wd
+        )
+        a2, b2, c2, w2, x2, y2, z2, p2, q2, r2 = derivative(
+            vn + half * a1, ve + half * b1, vd + half * c1,
+            qw + half * w1, qx + half * x1, qy + half * y1, qz + half * z1,
+            p + half * p1, q + half * q1, r + half * r1, g0, g1, g2, g3, wn, we, wd,
+        )  # fmt: skip
+        a3, b3, c3, w3, x3, y3, z3, p3, q3, r3 = derivative(
+            vn + half * a2, ve + half * b2, vd + half * c2,
+            qw + half * w2, qx + half * x2, qy + half * y2, qz + half * z2,
+            p + half * p2, q + half * q2, r + half * r2, g0, g1, g2, g3, wn, we, wd,
+        )  # fmt: skip
+        a4, b4, c4, w4, x4, y4, z4, p4, q4, r4 = derivative(
+            vn + step * a3, ve + step * b3, vd + step * c3,
+            qw + step * w3, qx + step * x3, qy + step * y3, qz + step * z3,
+            p + step * p3, q + step * q3, r + step * r3, h0, h1, h2, h3, wn, we, wd,
+        )  # fmt: skip
+        qw += sixth * (w1 + 2.0 * (w2 + w3) + w4)
+        qx += sixth * (x1 + 2.0 * (x2 + x3) + x4)
+        qy += sixth * (y1 + 2.0 * (y2 + y3) + y4)
+        qz += sixth * (z1 + 2.0 * (z2 + z3) + z4)
+        unit = 1.0 / sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
+        return (
+            pn + step * vn + square * (a1 + a2 + a3),
+            pe + step * ve + square * (b1 + b2 + b3),
+            pd + step * vd + square * (c1 + c2 + c3),
+            vn + sixth * (a1 + 2.0 * (a2 + a3) + a4),
+            ve + sixth * (b1 + 2.0 * (b2 + b3) + b4),
+            vd + sixth * (c1 + 2.0 * (c2 + c3) + c4),
+            qw * unit, qx * unit, qy * unit, qz * unit,
+            p + sixth * (p1 + 2.0 * (p2 + p3) + p4),
+            q + sixth * (q1 + 2.0 * (q2 + q3) + q4),
+            r + sixth * (r1 + 2.0 * (r2 + r3) + r4),
+        )  # fmt: skip
+
+    return advance

@@ -1,0 +1,89 @@
+"""The motion of a rigid body under its rotors, gravity and drag: Newton and Euler, attitude as a quaternion.
+
+    p_n' = v_n        m v_n' = m g e3 + R_nb sum_i F_i - m c (v_n - wind_n)
+    q'   = q * (0, w_b) / 2        J w_b' = sum_i (r_i x F_i + s_i k_i |F_i| e3) - w_b x J w_b - d w_b
+
+summed rotor by rotor; nothing here knows a mixing matrix. The derivative is one unrolled function on floats because it
+is evaluated four times a step; it does not depend on the position, which the integrator uses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from companion.frames import Vec3
+from companion.vehicle import Vehicle
+from companion.world import Deviations
+from sim_bridge.rotors import torque_per_newton
+
+F = float
+Rates = tuple[F, F, F, F, F, F, F, F, F, F]
+"""d/dt of (v_n, q_nb, w_b)."""
+Derivative = Callable[[F, F, F, F, F, F, F, F, F, F, F, F, F, F, F, F, F], Rates]
+"""From (v_n, q_nb, w_b, the four thrusts in N, wind_n) to Rates."""
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """What the equations need to know of a machine.
+
+    ``mass`` kg, ``inertia`` the diagonal of J in kg m^2, ``gravity`` m/s^2, ``drag`` 1/s, ``angular_drag`` N m s,
+    ``torques_per_newton`` one vector (m, FRD) a rotor.
+    """
+
+    mass: float
+    inertia: Vec3
+    gravity: float
+    drag: float
+    angular_drag: float
+    torques_per_newton: tuple[Vec3, Vec3, Vec3, Vec3]
+
+
+def true_vehicle(vehicle: Vehicle, truth: Deviations) -> Vehicle:
+    """The vehicle as it really is: ``vehicle`` with what ``truth`` says otherwise."""
+    return replace(
+        vehicle,
+        mass=vehicle.mass if truth.mass is None else truth.mass,
+        inertia=vehicle.inertia if truth.inertia is None else truth.inertia,
+        motor_lag=vehicle.motor_lag if truth.motor_lag is None else truth.motor_lag,
+        drag=vehicle.drag if truth.drag is None else truth.drag,
+        rotors=tuple(replace(rotor, thrust_max=rotor.thrust_max * truth.thrust_scale) for rotor in vehicle.rotors),
+    )
+
+
+def body_of(vehicle: Vehicle, angular_drag: float = 0.0) -> Body:
+    """The Body of a vehicle with four rotors. ValueError: it has another number of them."""
+    if len(vehicle.rotors) != 4:
+        raise ValueError(f"{vehicle.name} has {len(vehicle.rotors)} rotors; the plant flies quadrotors")
+    t0, t1, t2, t3 = (torque_per_newton(rotor) for rotor in vehicle.rotors)
+    return Body(vehicle.mass, vehicle.inertia, vehicle.gravity, vehicle.drag, angular_drag, (t0, t1, t2, t3))
+
+
+def derivative_of(body: Body) -> Derivative:
+    """The derivative of a body's motion."""
+    (l0, m0, n0), (l1, m1, n1), (l2, m2, n2), (l3, m3, n3) = body.torques_per_newton
+    jx, jy, jz = body.inertia
+    per_mass, per_jx, per_jy, per_jz = 1.0 / body.mass, 1.0 / jx, 1.0 / jy, 1.0 / jz
+    turn_x, turn_y, turn_z = (jy - jz) / jx, (jz - jx) / jy, (jx - jy) / jz
+    g, c, d = body.gravity, body.drag, body.angular_drag
+
+    def derivative(
+        vn: F, ve: F, vd: F, qw: F, qx: F, qy: F, qz: F, p: F, q: F, r: F,
+        f0: F, f1: F, f2: F, f3: F, wind_n: F, wind_e: F, wind_d: F,
+    ) -> Rates:  # fmt: skip
+        lift = -2.0 * per_mass * (f0 + f1 + f2 + f3)  # twice, for the third column of R_nb is 2 (..)
+        return (
+            lift * (qx * qz + qw * qy) - c * (vn - wind_n),
+            lift * (qy * qz - qw * qx) - c * (ve - wind_e),
+            lift * (0.5 - qx * qx - qy * qy) - c * (vd - wind_d) + g,
+            -0.5 * (qx * p + qy * q + qz * r),
+            0.5 * (qw * p + qy * r - qz * q),
+            0.5 * (qw * q + qz * p - qx * r),
+            0.5 * (qw * r + qx * q - qy * p),
+            turn_x * q * r + per_jx * (l0 * f0 + l1 * f1 + l2 * f2 + l3 * f3 - d * p),
+            turn_y * p * r + per_jy * (m0 * f0 + m1 * f1 + m2 * f2 + m3 * f3 - d * q),
+            turn_z * p * q + per_jz * (n0 * f0 + n1 * f1 + n2 * f2 + n3 * f3 - d * r),
+        )
+
+    return derivative
