@@ -1,0 +1,155 @@
+"""M and M^-1: motor torques to thrust and body torques and back (the paper's section II), limits, and what they took.
+
+The paper's tau are motor torques: a rotor with torque per thrust k = 1/c makes the thrust f = tau/k. M follows from
+where the rotors sit and how they turn; the paper's own matrix falls out of ``configs/vehicles/paper.yaml``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from companion.vehicle import CompanionError, Vehicle
+
+Four = tuple[float, float, float, float]
+Matrix4 = tuple[Four, Four, Four, Four]
+
+
+class AllocationError(CompanionError):
+    """Rotors that cannot make every thrust and torque."""
+
+
+class Allocated(NamedTuple):
+    """``commands``: in each rotor's command range. ``lost``: what saturation took from (thrust N, torques N m) as asked.
+    ``saturated``: whether any rotor stands at its limit."""
+
+    commands: Four
+    lost: Four
+    saturated: bool
+
+
+def mixing_matrix(vehicle: Vehicle) -> Matrix4:
+    """M: (u1, u2, u3, u4) = M (tau_1, .., tau_4), thrust along -z_b and torques about the body axes.
+
+    A rotor at (x, y) lifting f puts r x F = (-y f, x f) about roll and pitch; its drag puts +-tau about yaw.
+    """
+    columns = []
+    for rotor in vehicle.rotors:
+        c = 1.0 / rotor.torque_per_thrust
+        x, y, _ = rotor.position_b
+        columns.append((c, -y * c, x * c, rotor.spin.reaction))
+    return tuple(zip(*columns, strict=True))  # type: ignore[return-value]
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """M^-1 of one vehicle, with its command limits."""
+
+    vehicle: Vehicle
+
+    @cached_property
+    def inverse(self) -> Matrix4:
+        """M^-1. AllocationError: the rotors do not span thrust and torques."""
+        M = np.array(mixing_matrix(self.vehicle))
+        scaled = M / np.linalg.norm(M, axis=1, keepdims=True)
+        if np.linalg.cond(scaled) > 1e6:
+            raise AllocationError(f"{self.vehicle.name}: its rotors cannot make every thrust and torque")
+        return tuple(tuple(float(v) for v in row) for row in np.linalg.inv(M))  # type: ignore[return-value]
+
+    @cached_property
+    def _to_command(self) -> Four:
+        """command per motor torque."""
+        a, b, c, d = (1.0 / (rotor.torque_per_thrust * rotor.thrust_max) for rotor in self.vehicle.rotors)
+        return (a, b, c, d)
+
+    def motor_torques(self, u: Four) -> Four:
+        """tau = M^-1 u, N m, without limits."""
+        a, b, c, d = (row[0] * u[0] + row[1] * u[1] + row[2] * u[2] + row[3] * u[3] for row in self.inverse)
+        return (a, b, c, d)
+
+    def commands(self, u: Four) -> Four:
+        """The commands that make thrust and torques ``u`` (N, N m), without limits."""
+        a, b, c, d = (tau * k for tau, k in zip(self.motor_torques(u), self._to_command, strict=True))
+        return (a, b, c, d)
+
+    def wrench(self, commands: Four) -> Four:
+        """(thrust N, torques N m) of rotor commands."""
+        thrust = roll = pitch = yaw = 0.0
+        for rotor, command in zip(self.vehicle.rotors, commands, strict=True):
+            f = command * rotor.thrust_max
+            thrust += f
+            roll -= rotor.position_b[1] * f
+            pitch += rotor.position_b[0] * f
+            yaw += rotor.spin.reaction * rotor.torque_per_thrust * f
+        return (thrust, roll, pitch, yaw)
+
+    def allocate(self, u: Four) -> Allocated:
+        """Commands within their ranges that come nearest to ``u``, giving up yaw first, then thrust, then roll and pitch.
+
+        The direction of the thrust carries the vehicle: yaw can wait, and a thrust that is a little off comes back
+        sooner than an attitude that is.
+        """
+        wanted = self.commands(u)
+        if self._within(wanted):
+            return Allocated(wanted, (0.0, 0.0, 0.0, 0.0), False)
+        base = self.commands((0.0, u[1], u[2], 0.0))
+        thrust_only = self.commands((1.0, 0.0, 0.0, 0.0))
+        yaw_only = self.commands((0.0, 0.0, 0.0, u[3]))
+        share = 1.0  # of roll and pitch
+        thrust = self._thrust_for(base, thrust_only, u[0])
+        if thrust is None:
+            low, high = 0.0, 1.0
+            for _ in range(30):
+                middle = 0.5 * (low + high)
+                fits = self._thrust_for(_scaled(base, middle), thrust_only, u[0]) is not None
+                low, high = (middle, high) if fits else (low, middle)
+            share = low
+            thrust = self._thrust_for(_scaled(base, share), thrust_only, u[0])
+            assert thrust is not None
+        carried = _sum(_scaled(base, share), _scaled(thrust_only, thrust))
+        commands = self._clamped(_sum(carried, _scaled(yaw_only, self._share_for(carried, yaw_only))))
+        achieved = self.wrench(commands)
+        a, b, c, d = (asked - made for asked, made in zip(u, achieved, strict=True))
+        return Allocated(commands, (a, b, c, d), True)
+
+    def _within(self, commands: Four) -> bool:
+        return all(
+            rotor.command[0] <= command <= rotor.command[1]
+            for rotor, command in zip(self.vehicle.rotors, commands, strict=True)
+        )
+
+    def _clamped(self, commands: Four) -> Four:
+        a, b, c, d = (
+            min(max(command, rotor.command[0]), rotor.command[1])
+            for rotor, command in zip(self.vehicle.rotors, commands, strict=True)
+        )
+        return (a, b, c, d)
+
+    def _thrust_for(self, base: Four, per_newton: Four, wanted: float) -> float | None:
+        """The thrust nearest to ``wanted`` that leaves room for ``base`` on every rotor; None if there is none."""
+        low, high = -float("inf"), float("inf")
+        for rotor, offset, slope in zip(self.vehicle.rotors, base, per_newton, strict=True):
+            bounds = sorted(((rotor.command[0] - offset) / slope, (rotor.command[1] - offset) / slope))
+            low, high = max(low, bounds[0]), min(high, bounds[1])
+        return min(max(wanted, low), high) if low <= high else None
+
+    def _share_for(self, base: Four, extra: Four) -> float:
+        """The largest share 0..1 of ``extra`` that fits on top of ``base``."""
+        share = 1.0
+        for rotor, offset, add in zip(self.vehicle.rotors, base, extra, strict=True):
+            if add > 0.0:
+                share = min(share, (rotor.command[1] - offset) / add)
+            elif add < 0.0:
+                share = min(share, (rotor.command[0] - offset) / add)
+        return max(share, 0.0)
+
+
+def _scaled(values: Four, factor: float) -> Four:
+    return (values[0] * factor, values[1] * factor, values[2] * factor, values[3] * factor)
+
+
+def _sum(a: Four, b: Four) -> Four:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3])

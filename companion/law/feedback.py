@@ -1,0 +1,94 @@
+"""Linear error feedback, bounded (Eq. 9): from the outputs to the wanted highest derivative of the position.
+
+The paper's feedback is not bounded; ``Bounds`` is a departure from it, needed by any machine with a largest thrust: far
+from the path a linear law asks for a free fall or a somersault. Bounds touch only the terms on the errors themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from companion.calculus.scalar import Scalar, maximum, minimum, sqrt, wrap
+from companion.calculus.taylor import Taylor
+from companion.calculus.vectors import Vector
+from companion.law.gains import Gains, Level
+from companion.law.implicit import Outputs
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """How large an error the law may see, and how hard it may turn the vehicle.
+
+    ``path_error`` m, ``speed_error`` m/s: errors beyond are used as if they were this large. ``yaw_rate`` rad/s,
+    ``yaw_acceleration`` rad/s^2: holding a heading at a steep tilt must not take the thrust that carries the vehicle.
+    ``yaw_divisor``: the least |R22| used where the yaw channel divides by it; the path is followed either way.
+    """
+
+    path_error: float = 1.5
+    speed_error: float = 2.0
+    yaw_rate: float = 1.5
+    yaw_acceleration: float = 10.0
+    yaw_divisor: float = 0.2
+
+
+def clamped(value: Scalar, limit: float) -> Scalar:
+    """``value`` within +-limit."""
+    return maximum(minimum(value, limit), -limit)
+
+
+def linear(gains: Sequence[float], errors: Sequence[Scalar]) -> Scalar:
+    """-k_0 e - k_1 e' - ... (Eq. 9)."""
+    total: Scalar = 0.0
+    for gain, error in zip(gains, errors, strict=True):
+        total = total - error * gain
+    return total
+
+
+def wanted_derivative(known: Outputs, level: Level, gains: Gains, bounds: Bounds | None) -> Vector:
+    """The snap (motors) or jerk (rates) that gives h1, h2, h3 their linear dynamics: the 3x3 solve
+
+        [grad h1; grad h2; mu] S = v - drift
+
+    in closed form, mu being normal to both gradients.
+    """
+    n1, _, n3, _ = level.degrees
+    a, b, mu = known.grad1, known.grad2, known.mu
+    area = a.cross(b).norm()
+    across1, across2 = b.cross(mu) / area, mu.cross(a) / area
+    errors1 = [known.h1.derivative(k) for k in range(n1)]
+    errors2 = [known.h2.derivative(k) for k in range(n1)]
+    errors3 = [known.h3.derivative(k) for k in range(n3)]
+    if bounds is not None:
+        offset: Vector = across1 * errors1[0] + across2 * errors2[0]
+        shrink = bounds.path_error / maximum(bounds.path_error, offset.norm())
+        errors1[0], errors2[0] = errors1[0] * shrink, errors2[0] * shrink
+        errors3[0] = clamped(errors3[0], bounds.speed_error)
+    v1 = linear(gains.h1, errors1) - known.h1.derivative(n1)
+    v2 = linear(gains.h2, errors2) - known.h2.derivative(n1)
+    v3 = linear(gains.h3, errors3) - known.h3.derivative(n3)
+    wanted: Vector = mu * v3 + across1 * v1 + across2 * v2
+    return wanted
+
+
+def wanted_heading_acceleration(
+    psi: Scalar, psi_dot: Scalar, beta: Taylor, gains: Gains, bounds: Bounds | None
+) -> Scalar:
+    """psi'' = beta'' - k_1 (psi' - beta') - k_0 wrap(psi - beta) (level of motors)."""
+    error = wrap(psi - beta.derivative(0))
+    if bounds is not None:
+        error = clamped(error, bounds.yaw_rate * gains.h4[1] / gains.h4[0])
+    return beta.derivative(2) + linear(gains.h4, (error, psi_dot - beta.derivative(1)))
+
+
+def wanted_heading_rate(psi: Scalar, beta: Taylor, gains: Gains) -> Scalar:
+    """psi' = beta' - k_0 wrap(psi - beta) (level of rates)."""
+    return beta.derivative(1) + linear(gains.h4, (wrap(psi - beta.derivative(0)),))
+
+
+def yaw_divisor(r22: Scalar, bounds: Bounds | None) -> Scalar:
+    """R22 where the yaw channel divides by it, kept away from zero with its sign."""
+    if bounds is None:
+        return r22
+    sign = r22 / maximum(sqrt(r22 * r22), 1e-12)
+    return sign * maximum(sqrt(r22 * r22), bounds.yaw_divisor)

@@ -1,0 +1,68 @@
+"""Gains of the linear error dynamics (Eq. 9): h_i^(r_i) = -k_0 h_i - ... - k_{r_i-1} h_i^(r_i-1)."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+class Level(enum.Enum):
+    """Where the chain of integrators ends: at motor torques (the paper's) or at body rates (one order earlier).
+
+    The value is the relative degree of h1 and h2.
+    """
+
+    MOTORS = 4
+    RATES = 3
+
+    @property
+    def degrees(self) -> tuple[int, int, int, int]:
+        """The vector relative degree {r1, r2, r3, r4} (Lemma 4.1): {4, 4, 3, 2} or {3, 3, 2, 1}."""
+        n = self.value
+        return (n, n, n - 1, n - 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """One tuple per output, ``[0]`` on the output itself, as many as its relative degree."""
+
+    h1: tuple[float, ...]
+    h2: tuple[float, ...]
+    h3: tuple[float, ...]
+    h4: tuple[float, ...]
+
+    @property
+    def each(self) -> tuple[tuple[float, ...], ...]:
+        """(h1, h2, h3, h4)."""
+        return (self.h1, self.h2, self.h3, self.h4)
+
+
+def from_poles(poles: Sequence[float]) -> tuple[float, ...]:
+    """k_0 .. k_{n-1} of the monic polynomial with these real roots: (s - p_1)...(s - p_n)."""
+    coefficients = [1.0]
+    for pole in poles:
+        longer = [*coefficients, 0.0]
+        for i, c in enumerate(coefficients):
+            longer[i + 1] -= pole * c
+        coefficients = longer
+    return tuple(reversed(coefficients[1:]))
+
+
+def poles_of(gains: Sequence[float]) -> list[complex]:
+    """The roots of s^n + k_{n-1} s^(n-1) + ... + k_0."""
+    return [complex(root) for root in np.roots([1.0, *reversed(gains)])]
+
+
+PATH_POLES = {Level.MOTORS: (-5.0,) * 4, Level.RATES: (-4.0,) * 3}
+SPEED_POLES = {Level.MOTORS: (-3.0,) * 3, Level.RATES: (-2.5,) * 2}
+YAW_POLES = {Level.MOTORS: (-2.0,) * 2, Level.RATES: (-1.5,)}
+"""What is flown where a mission gives no gains: fast enough to stay linear, slow enough for the delays."""
+
+
+def default_gains(level: Level) -> Gains:
+    """The gains of ``level`` for a mission that gives none."""
+    path = from_poles(PATH_POLES[level])
+    return Gains(path, path, from_poles(SPEED_POLES[level]), from_poles(YAW_POLES[level]))

@@ -1,0 +1,130 @@
+"""A curve as a table over its arc length: where the nearest point is, how far, how long the curve is.
+
+Between its knots the table is a quintic that shares position, unit tangent and curvature with the curve, so with
+knots a tenth of a radian of turning apart it is good to about 1e-11 of the radius.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.frames import Vec3
+
+_NEWTON_STEPS = 4
+
+
+class Knot(NamedTuple):
+    """A point of a curve, its unit tangent, and the tangent's derivative over the arc length."""
+
+    point: Vec3
+    tangent: Vec3
+    curvature: Vec3
+
+
+Piece = tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
+
+
+def quintic(a: Knot, b: Knot, length: float) -> Piece:
+    """The polynomials in arc length that leave ``a`` and reach ``b`` after ``length``, highest power first."""
+    x, y, z = (_quintic(a.point[i], a.tangent[i], a.curvature[i], b.point[i], b.tangent[i], b.curvature[i], length)
+               for i in range(3))  # fmt: skip
+    return (x, y, z)
+
+
+def _quintic(p0: float, v0: float, a0: float, p1: float, v1: float, a1: float, h: float) -> tuple[float, ...]:
+    d, v0h, v1h, a0h, a1h = p1 - p0, v0 * h, v1 * h, 0.5 * a0 * h * h, 0.5 * a1 * h * h
+    return (
+        (6.0 * d - 3.0 * (v0h + v1h) - a0h + a1h) / h**5,
+        (-15.0 * d + 8.0 * v0h + 7.0 * v1h + 3.0 * a0h - 2.0 * a1h) / h**4,
+        (10.0 * d - 6.0 * v0h - 4.0 * v1h - 3.0 * a0h + a1h) / h**3,
+        0.5 * a0,
+        v0,
+        p0,
+    )
+
+
+def evaluated(piece: Piece, u: float) -> tuple[Vec3, Vec3, Vec3]:
+    """Point, first and second derivative of ``piece``, ``u`` after its beginning."""
+    (x, dx, ddx), (y, dy, ddy), (z, dz, ddz) = (_horner(axis, u) for axis in piece)
+    return (x, y, z), (dx, dy, dz), (ddx, ddy, ddz)
+
+
+def _horner(c: tuple[float, ...], u: float) -> tuple[float, float, float]:
+    value, first, second = c[0], 0.0, 0.0
+    for coefficient in c[1:]:
+        second = second * u + first
+        first = first * u + value
+        value = value * u + coefficient
+    return value, first, 2.0 * second
+
+
+@dataclass(frozen=True)
+class ArcTable:
+    """``knots``: arc lengths, rising from 0 to ``length``. ``pieces``: for each interval the coefficients of x, y, z in
+    s - knot, highest power first. ``closed``: the end is the beginning."""
+
+    knots: tuple[float, ...]
+    pieces: tuple[Piece, ...]
+    closed: bool
+
+    @property
+    def length(self) -> float:
+        """m."""
+        return self.knots[-1]
+
+    def at(self, s: float) -> tuple[Vec3, Vec3, Vec3]:
+        """Point, first and second derivative at arc length ``s``; wrapped where closed, clamped where open."""
+        s = self.within(s)
+        i = min(bisect_right(self.knots, s), len(self.pieces)) - 1
+        return evaluated(self.pieces[i], s - self.knots[i])
+
+    def within(self, s: float) -> float:
+        """``s`` as an arc length of the curve."""
+        return s % self.length if self.closed else min(max(s, 0.0), self.length)
+
+    def nearest(self, p: Vec3, s: float, reach: float = math.inf) -> tuple[float, float]:
+        """(arc length, distance) of the point nearest to ``p``, searched downhill from ``s`` and at most ``reach`` away
+        from it: a curve that crosses itself is not left for its other branch."""
+        start = s
+        px, py, pz = p
+        for _ in range(_NEWTON_STEPS):
+            (x, y, z), (tx, ty, tz), (kx, ky, kz) = self.at(s)
+            ex, ey, ez = px - x, py - y, pz - z
+            along = ex * tx + ey * ty + ez * tz
+            speed2 = tx * tx + ty * ty + tz * tz
+            # past the evolute the nearest point is not near any more; the floor keeps the step downhill
+            step = along / max(speed2 - (ex * kx + ey * ky + ez * kz), 0.25 * speed2)
+            s = self.within(start + max(-reach, min(reach, self.difference(s, start) + step)))
+            if abs(step) < 1e-9:
+                break
+        x, y, z = self.at(s)[0]
+        return s, math.dist((x, y, z), p)
+
+    def locate(self, p: Vec3) -> tuple[float, float]:
+        """(arc length, distance) of the nearest point of the whole curve."""
+        s, points = self.samples(max(200, 4 * len(self.pieces)))
+        distances = np.linalg.norm(points - np.array(p), axis=1)
+        spacing = self.length / (len(s) - 1)
+        candidates = sorted(range(len(s)), key=lambda i: distances[i])[:8]
+        return min((self.nearest(p, float(s[i]), 2.0 * spacing) for i in candidates), key=lambda found: found[1])
+
+    def difference(self, s: float, reference: float) -> float:
+        """s - reference, the short way round where closed."""
+        return math.remainder(s - reference, self.length) if self.closed else s - reference
+
+    def samples(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """``count`` arc lengths from end to end, and their points as rows."""
+        s = np.linspace(0.0, self.length, count)
+        i = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.pieces) - 1)
+        u = s - np.array(self.knots)[i]
+        coefficients = np.array(self.pieces)[i]
+        points = np.zeros((count, 3))
+        for power in range(coefficients.shape[2]):
+            points = points * u[:, None] + coefficients[:, :, power]
+        return s, points
