@@ -8,6 +8,12 @@ The machine
     integrate     fixed-step Runge-Kutta
     environment   air and ground
     plant         all of it, one step at a time
+    sensors       truth to the estimate the autopilot flies by
+The stand-in PX4
+    control/      rate, attitude and position loops, mixing
+    autopilot/    arming, modes, offboard, landing; streams, commands, links
+The whole
+    bridge        datagrams and steps in, datagrams out; no socket, no clock
 
 Of ``companion`` only frames, vehicle, world, geodesy and mavlink may be imported here, and never the law or the
 allocation: plant and controller are two derivations, so that a sign error cannot cancel.

@@ -77,6 +77,10 @@ class Plant:
         self._on_ground = False
         self._has_ground = p_n[2] < 0.0
 
+    def thrusts_of(self, commands: Four) -> Four:
+        """The thrusts (N) that motor commands lead to in the end."""
+        return self._wanted(commands)
+
     @property
     def truth(self) -> Truth:
         """The true state now."""

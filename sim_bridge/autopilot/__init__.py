@@ -1,0 +1,13 @@
+"""The stand-in PX4: everything between a MAVLink message and a motor command.
+
+parameters  the figures a user may set, under PX4's names
+commander   armed or not, which mode, what to do when something is lost: no I/O, no physics
+landing     whether the vehicle is on the ground
+setpoints   offboard setpoints as PX4 reads them
+guidance    what the automatic modes fly
+pilot       one step: estimate in, motor commands out
+messages    what the vehicle says, message by message
+streams     when it says it
+commands    what it answers to commands
+link        one endpoint: bytes in, bytes out
+"""

@@ -1,0 +1,164 @@
+"""One step of the autopilot: estimate in, motor commands out; and what operators and companions ask of it."""
+
+from __future__ import annotations
+
+from companion.frames import Vec3
+from companion.geodesy import MapProjection
+from companion.mavlink.modes import Landed, Mode
+from companion.vehicle import Vehicle
+from companion.world import Home
+from sim_bridge.autopilot import parameters
+from sim_bridge.autopilot.commander import READY_AFTER, Commander, Result, Severity
+from sim_bridge.autopilot.guidance import Guidance, Throttle
+from sim_bridge.autopilot.landing import LandingDetector
+from sim_bridge.autopilot.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
+from sim_bridge.control.cascade import Cascade
+from sim_bridge.plant import Truth
+from sim_bridge.rotors import Four
+from sim_bridge.sensors import Estimate
+
+SUPERVISION_US = 20_000
+"""The period at which timers, landing and the end of modes are looked at."""
+
+
+class Autopilot:
+    """The autopilot of one vehicle, stepped every ``step`` s. ``direct``: it takes motor commands.
+
+    ``estimate``: the last one; ``demand``: what offboard flies; ``offboard_flown``: whether it has flown any;
+    ``truth``: what only the simulation knows, for the message that tells it.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, home: Home, step: float, estimate: Estimate, truth: Truth, *, direct: bool
+    ) -> None:
+        self.vehicle = vehicle
+        self.home = home
+        self.projection = MapProjection(home.latitude, home.longitude)
+        self.direct = direct
+        self.parameters = parameters.defaults()
+        self.commander = Commander(self.parameters, READY_AFTER)
+        self.guidance = Guidance(self.parameters)
+        self.cascade = Cascade(vehicle, step)
+        self.estimate = estimate
+        self.truth = truth
+        self.demand: Demand | None = None
+        self.offboard_flown = False
+        self._landing = LandingDetector(landed=True)
+        self._stands = True
+        self._supervise_at_us = 0
+        self._flown: Mode | None = None
+
+    def begin_in_flight(self, estimate: Estimate, truth: Truth, commands: Four, disturbance: Vec3) -> None:
+        """Start armed in HOLD in the air, the motors at ``commands``, the loops knowing a steady ``disturbance``."""
+        self.estimate = estimate
+        self.truth = truth
+        self.commander = Commander(self.parameters, ready_at=0.0)
+        self.commander.begin_in_flight()
+        self._landing = LandingDetector(landed=False)
+        self.guidance.enter(Mode.HOLD, estimate)
+        self._stands = False
+        self._flown = Mode.HOLD
+        self.cascade.begin(estimate, disturbance)
+        self.cascade.commands = commands
+        self.cascade.thrust = self.cascade.hover
+
+    @property
+    def commands(self) -> Four:
+        """The last motor commands, in the rotors' units."""
+        return self.cascade.commands
+
+    @property
+    def t(self) -> float:
+        """The vehicle's clock, s."""
+        return self.estimate.time_us * 1e-6
+
+    @property
+    def landed_state(self) -> Landed:
+        """The state EXTENDED_SYS_STATE tells."""
+        if self.commander.landed:
+            return Landed.ON_GROUND
+        if self.commander.armed and self.commander.mode is Mode.TAKEOFF:
+            return Landed.TAKING_OFF
+        return Landed.LANDING if self.commander.armed and self.guidance.is_landing else Landed.IN_AIR
+
+    def control(self) -> Four:
+        """The motor commands for the coming step, from the last estimate."""
+        now, commander, cascade = self.estimate, self.commander, self.cascade
+        if not commander.armed or commander.mode is Mode.TERMINATION:
+            self._flown = self.demand = None
+            return cascade.stop(now)
+        if commander.mode is not self._flown:
+            self._enter(commander.mode)
+        if commander.mode is Mode.OFFBOARD:
+            return self._fly_offboard(now)
+        if cascade.wants_target:
+            on_ground = commander.landed or (commander.mode is Mode.TAKEOFF and self._stands)
+            wanted = self.guidance.step(now, self.t, on_ground, self._landing.touching, cascade.position_step)
+            if isinstance(wanted, Throttle):
+                cascade.begin_position()
+                return cascade.fly_rates(now, (0.0, 0.0, 0.0), wanted.of_hover * cascade.hover, on_ground=True)
+            cascade.aim(now, wanted)
+        return cascade.fly_aim(now)
+
+    def observe(self, estimate: Estimate, truth: Truth) -> None:
+        """What the sensors say after the step."""
+        self.estimate = estimate
+        self.truth = truth
+        self._stands = truth.on_ground  # felt by the legs; nothing else of the truth is used
+        if estimate.time_us >= self._supervise_at_us:
+            self._supervise_at_us += SUPERVISION_US
+            self._supervise(estimate, self._stands)
+
+    def _supervise(self, estimate: Estimate, contact: bool) -> None:
+        """Notice landing and take-off, run the timers, change modes that end by themselves."""
+        commander = self.commander
+        throttle = self.cascade.thrust / self.cascade.hover
+        commander.notice_landing(self._landing.update(self.t, contact, throttle, commander.armed), self.t)
+        if not commander.landed and self.guidance.takeoff_is_over(estimate):
+            commander.takeoff_is_over()
+        commander.update(self.t)
+
+    def offboard(self, demand: Demand) -> None:
+        """An offboard setpoint. Motor commands count only where the vehicle takes them."""
+        if isinstance(demand, MotorDemand) and not self.direct:
+            return
+        self.commander.setpoint_arrived(self.t)
+        if self.commander.armed and self.commander.mode is Mode.OFFBOARD:
+            self.demand = demand
+            self.offboard_flown = True
+
+    def request_mode(self, mode: Mode) -> Result:
+        """Somebody asks for a mode."""
+        result = self.commander.request_mode(mode, self.t)
+        if result is Result.ACCEPTED and mode is Mode.RETURN:
+            height = self.guidance.return_height(self.estimate)
+            above = round(height + self.home.altitude), round(height)
+            self.commander.say(
+                Severity.INFO, f"RTL: start return at {above[0]} m ({above[1]} m above destination)\t"
+            )  # fmt: skip
+        return result
+
+    def _enter(self, mode: Mode) -> None:
+        """Change what is flown. A demand that came with the change to offboard stays; others end with offboard."""
+        came_from_offboard = self._flown in (None, Mode.OFFBOARD)
+        self._flown = mode
+        self.guidance.enter(mode, self.estimate)
+        if mode is not Mode.OFFBOARD:
+            self.demand = None
+            if came_from_offboard:
+                self.cascade.begin(self.estimate)
+
+    def _fly_offboard(self, now: Estimate) -> Four:
+        """The last setpoint, for as long as the commander leaves us in offboard; before the first, what was flown."""
+        demand, cascade = self.demand, self.cascade
+        if isinstance(demand, MotorDemand):
+            return cascade.fly_motors(now, demand.commands)
+        if isinstance(demand, RateDemand):
+            return cascade.fly_rates(now, demand.rates, demand.thrust, self.commander.landed)
+        if isinstance(demand, AttitudeDemand):
+            return cascade.fly_attitude(
+                now, demand.q_nb, demand.thrust, demand.heading_rate, self.commander.landed
+            )  # fmt: skip
+        if self.direct:
+            return cascade.fly_motors(now, cascade.commands)
+        return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, self.commander.landed)

@@ -1,0 +1,152 @@
+"""What the automatic modes fly: hold, take off, land, return.
+
+Each step gives a target for the position loop, or says that the throttle is to be opened so far with the vehicle level,
+which is how it stands, takes off and settles on the ground.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from companion.frames import Vec3, euler_from_rotation, rotation_matrix
+from companion.mavlink.modes import Mode
+from sim_bridge.autopilot.parameters import Parameters
+from sim_bridge.control.position import Target
+from sim_bridge.control.reference import Pace, Reference, along, towards
+from sim_bridge.sensors import Estimate
+
+HEIGHT_REACHED = 0.8  # m, NAV_MC_ALT_RAD
+PLACE_REACHED = 1.0
+"""m from home, level, from where a return descends."""
+CRAWL_BELOW = 0.75
+"""m above ground below which a landing crawls."""
+SLOWS_BETWEEN = (5.0, 10.0)  # m, MPC_LAND_ALT2, MPC_LAND_ALT1
+RAMP_OF_HOVER = 0.9
+"""The part of MPC_TKO_RAMP_T in which the throttle reaches what hovers."""
+CLOSED_OF_HOVER = 0.25
+"""Throttle over hover throttle once the ground is felt in a landing, until it counts as landed."""
+PACE = Pace()
+
+
+@dataclass(frozen=True, slots=True)
+class Throttle:
+    """Level, at this part of the hover throttle."""
+
+    of_hover: float
+
+
+class Guidance:
+    """The automatic modes of one vehicle. ``home_n``: where a return goes (m, NED)."""
+
+    def __init__(self, parameters: Parameters, home_n: Vec3 = (0.0, 0.0, 0.0)) -> None:
+        self._parameters = parameters
+        self.home_n = home_n
+        self.takeoff_to: float | None = None
+        self._mode = Mode.HOLD
+        self._reference = Reference(home_n, (0.0, 0.0, 0.0))
+        self._heading = 0.0
+        self._place: Vec3 | None = None
+        self._opened_at: float | None = None
+        self._return_height = 0.0
+        self._climbing = self._landing = False
+
+    def enter(self, mode: Mode, now: Estimate) -> None:
+        """Begin a mode from where the vehicle is and as fast as it moves."""
+        goes_on = mode is Mode.HOLD and self.takeoff_is_over(now)  # on to the very height of the take-off
+        self._mode = mode
+        if goes_on:
+            return
+        self._reference = Reference(now.p_n, now.v_n)
+        self._heading = euler_from_rotation(rotation_matrix(now.q_nb))[0]
+        self._place = None
+        self._opened_at = None
+        self._climbing, self._landing = True, False
+        if mode is Mode.TAKEOFF:
+            height = self._parameters["MIS_TAKEOFF_ALT"]
+            to = self.home_n[2] - height if self.takeoff_to is None else self.takeoff_to
+            self._place = (now.p_n[0], now.p_n[1], min(to, now.p_n[2]))
+            self.takeoff_to = None
+        elif mode is Mode.RETURN:
+            self._return_height = self.return_height(now)
+
+    @property
+    def is_landing(self) -> bool:
+        """Whether the vehicle is on its way down to the ground."""
+        return self._mode in (Mode.LAND, Mode.DESCEND) or (self._mode is Mode.RETURN and self._landing)
+
+    def takeoff_is_over(self, now: Estimate) -> bool:
+        """Whether a take-off has reached its height."""
+        return self._mode is Mode.TAKEOFF and self._place is not None and now.p_n[2] - self._place[2] < HEIGHT_REACHED
+
+    def step(self, now: Estimate, t: float, on_ground: bool, touching: bool, step: float) -> Target | Throttle:
+        """What to fly at ``t`` (s). ``on_ground``: not lifted off yet or landed; ``touching``: the ground is felt."""
+        if self._mode is Mode.TAKEOFF and on_ground:
+            return self._open_throttle(now, t)
+        if on_ground:
+            self._reference = Reference(now.p_n, (0.0, 0.0, 0.0))
+            return Throttle(0.0)
+        if self.is_landing and touching:
+            return Throttle(CLOSED_OF_HOVER)
+        if self._mode is Mode.RETURN and not self._landing:
+            self._return(now, step)
+        if self.is_landing:
+            self._reference = self._sunk(now, step)
+            x, y, _ = self._reference.p_n
+            return Target((x, y, None), self._reference.v_n, self._heading, self._reference.a_n)
+        if self._mode is not Mode.RETURN:
+            if self._place is None:
+                self._reference = along(self._reference, (0.0, 0.0, 0.0), PACE, step)
+            else:
+                pace = PACE._replace(climb=self._parameters["MPC_TKO_SPEED"])
+                self._reference = towards(self._reference, self._place, pace, step)
+        return Target(self._reference.p_n, self._reference.v_n, self._heading, self._reference.a_n)
+
+    def _open_throttle(self, now: Estimate, t: float) -> Throttle:
+        """Idle for the spool-up time, then open the throttle until the vehicle leaves the ground."""
+        if self._opened_at is None:
+            self._opened_at = t + self._parameters["COM_SPOOLUP_TIME"]
+        self._reference = Reference(now.p_n, (0.0, 0.0, 0.0))
+        return Throttle(max(0.0, (t - self._opened_at) / max(0.1, RAMP_OF_HOVER * self._parameters["MPC_TKO_RAMP_T"])))
+
+    def _sunk(self, now: Estimate, step: float) -> Reference:
+        """The reference one step further down: fast while high, slower below 10 m, crawling at the end."""
+        slow = self._parameters["MPC_LAND_SPEED"]
+        height = self.home_n[2] - now.p_n[2]
+        low, high = SLOWS_BETWEEN
+        share = max(0.0, min(1.0, (height - low) / (high - low)))
+        speed = self._parameters["MPC_LAND_CRWL"] if height < CRAWL_BELOW else slow + share * (PACE.sink - slow)
+        level = self._place if self._mode is Mode.RETURN and self._place is not None else None
+        if level is None:
+            return along(self._reference, (0.0, 0.0, speed), PACE, step)
+        led = towards(self._reference, (level[0], level[1], self._reference.p_n[2]), PACE, step)
+        sunk = along(self._reference, (0.0, 0.0, speed), PACE, step)
+        return Reference(
+            (*led.p_n[:2], sunk.p_n[2]), (*led.v_n[:2], sunk.v_n[2]), (*led.a_n[:2], sunk.a_n[2])
+        )  # fmt: skip
+
+    def _return(self, now: Estimate, step: float) -> None:
+        """Up to the height of the return, across to home, then down."""
+        above = self.home_n[2] - self._return_height
+        x, y, _ = self._reference.p_n
+        if self._climbing:
+            if self._place is None:
+                self._place = (x, y, above)
+            self._reference = towards(self._reference, self._place, PACE, step)
+            self._climbing = now.p_n[2] - above > HEIGHT_REACHED
+            return
+        self._place = (self.home_n[0], self.home_n[1], above)
+        self._reference = towards(self._reference, self._place, PACE, step)
+        self._landing = math.hypot(now.p_n[0] - self.home_n[0], now.p_n[1] - self.home_n[1]) < PLACE_REACHED
+
+    def return_height(self, now: Estimate) -> float:
+        """The height above home (m) a return from here flies at: PX4's cone of 45 degrees near home."""
+        distance = math.hypot(now.p_n[0] - self.home_n[0], now.p_n[1] - self.home_n[1])
+        near, height = self._parameters["NAV_ACC_RAD"], self._parameters["RTL_RETURN_ALT"]
+        if distance <= near:
+            height = 2.0 * distance
+        else:
+            if distance <= self._parameters["RTL_MIN_DIST"]:
+                height = min(distance, height)
+            height = max(height, 2.0 * near)
+        return max(height, self.home_n[2] - now.p_n[2])

@@ -1,0 +1,105 @@
+"""Offboard setpoints as PX4 reads them: which fields count, which messages do nothing, what is never flown.
+
+A number that is not finite is no demand where PX4 knows such a thing (a body rate), and spoils the message elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from companion.frames import Quaternion
+from companion.mavlink.dialect import Value, message
+from sim_bridge.control.rates import RatesWanted
+from sim_bridge.rotors import Four
+
+ATTITUDE_TARGET = message("SET_ATTITUDE_TARGET")
+ACTUATORS = message("SET_ACTUATOR_CONTROL_TARGET")
+
+
+def _index(field: str) -> int:
+    where = ATTITUDE_TARGET.where[field]
+    assert isinstance(where, int)
+    return where
+
+
+_Q = ATTITUDE_TARGET.where["q"]
+_RATES = slice(_index("body_roll_rate"), _index("body_yaw_rate") + 1)
+_THRUST = _index("thrust")
+_MASK = _index("type_mask")
+_THRUST_BODY = ATTITUDE_TARGET.where["thrust_body"]
+_CONTROLS = ACTUATORS.where["controls"]
+_GROUP = ACTUATORS.where["group_mlx"]
+
+IGNORE_ROLL_RATE, IGNORE_PITCH_RATE, IGNORE_YAW_RATE = 0x01, 0x02, 0x04
+USE_THRUST_BODY, IGNORE_THROTTLE, IGNORE_ATTITUDE = 0x20, 0x40, 0x80
+
+RATE_MOST = 100.0
+"""rad/s. PX4 passes any demand on; this only keeps absurd ones from overflowing the arithmetic."""
+THRUST_MOST = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class MotorDemand:
+    """Motor commands in the rotors' own units."""
+
+    commands: Four
+
+
+@dataclass(frozen=True, slots=True)
+class RateDemand:
+    """Body rates (rad/s) and normalised thrust (up)."""
+
+    rates: RatesWanted
+    thrust: float
+
+
+@dataclass(frozen=True, slots=True)
+class AttitudeDemand:
+    """Attitude (body to world), normalised thrust (up), and the rate the heading turns at (rad/s)."""
+
+    q_nb: Quaternion
+    thrust: float
+    heading_rate: float
+
+
+Demand = MotorDemand | RateDemand | AttitudeDemand
+
+
+def attitude_target(values: tuple[Value, ...]) -> RateDemand | AttitudeDemand | None:
+    """What a SET_ATTITUDE_TARGET asks for. None: nothing PX4 would act on."""
+    mask = int(values[_MASK])
+    if mask & USE_THRUST_BODY:
+        thrust = -values[_THRUST_BODY][2]
+    elif mask & IGNORE_THROTTLE:
+        return None
+    else:
+        thrust = values[_THRUST]
+    if not math.isfinite(thrust):
+        return None
+    thrust = max(-THRUST_MOST, min(THRUST_MOST, thrust))
+    # Ignoring either roll or pitch rate drops all rates.
+    p, q, r = map(_rate, values[_RATES])
+    if mask & IGNORE_YAW_RATE:
+        r = None
+    if not mask & IGNORE_ATTITUDE:
+        w, x, y, z = values[_Q]
+        norm = math.sqrt(w * w + x * x + y * y + z * z)
+        if not 0.5 < norm < 2.0:
+            return None
+        return AttitudeDemand((w / norm, x / norm, y / norm, z / norm), thrust, r or 0.0)
+    if mask & (IGNORE_ROLL_RATE | IGNORE_PITCH_RATE):
+        return None
+    return RateDemand((p, q, r), thrust)
+
+
+def actuator_controls(values: tuple[Value, ...]) -> MotorDemand | None:
+    """What a SET_ACTUATOR_CONTROL_TARGET asks of direct motors: group 0, the first four controls. None: nothing."""
+    a, b, c, d = values[_CONTROLS][:4]
+    if values[_GROUP] != 0 or not all(map(math.isfinite, (a, b, c, d))):
+        return None
+    return MotorDemand((a, b, c, d))
+
+
+def _rate(value: float) -> float | None:
+    return max(-RATE_MOST, min(RATE_MOST, value)) if math.isfinite(value) else None

@@ -1,0 +1,101 @@
+"""The loops together: which of them run for which kind of setpoint.
+
+One step: choose what is flown (a target, an attitude, rates, motors, nothing), get the motor commands.
+"""
+
+from __future__ import annotations
+
+from companion.frames import Quaternion, Vec3
+from companion.vehicle import Vehicle
+from sim_bridge.control.attitude import rates_for
+from sim_bridge.control.mixing import Mixer
+from sim_bridge.control.position import PositionLoop, Target
+from sim_bridge.control.rates import RateLoop, RatesWanted, gains_for
+from sim_bridge.rotors import Four
+from sim_bridge.sensors import Estimate
+
+POSITION_PERIOD = 0.008
+"""s: the position loop runs at the rate of PX4's estimator."""
+STOPPED: Four = (0.0, 0.0, 0.0, 0.0)
+
+
+class Cascade:
+    """The loops of one vehicle. ``hover``: the normalised thrust that carries it (0..1). Thrusts are normalised.
+
+    ``commands``: the last motor commands, in the rotors' units; ``thrust``: the last thrust asked for.
+    """
+
+    def __init__(self, vehicle: Vehicle, step: float) -> None:
+        self._mixer = Mixer(vehicle.rotors)
+        self.hover = vehicle.weight / self._mixer.thrust_per_unit
+        self._rates = RateLoop(gains_for(vehicle, self._mixer), step)
+        self._every = max(1, round(POSITION_PERIOD / step))
+        self.position_step = self._every * step
+        self._position = PositionLoop(self.hover, vehicle.gravity, self.position_step)
+        self._until_position = 0
+        self._aim: tuple[Quaternion, float, float] = ((1.0, 0.0, 0.0, 0.0), 0.0, 0.0)
+        self.thrust = 0.0
+        self.rates_wanted: RatesWanted = (0.0, 0.0, 0.0)
+        self.commands: Four = STOPPED
+
+    def begin(self, now: Estimate, disturbance: Vec3 = (0.0, 0.0, 0.0)) -> None:
+        """Begin afresh; ``disturbance``: the acceleration (m/s^2, NED) it takes to hold against the wind."""
+        self._rates.reset(now.w_b)
+        self.begin_position(disturbance)
+
+    def begin_position(self, disturbance: Vec3 = (0.0, 0.0, 0.0)) -> None:
+        """Begin position control afresh; the next target counts at once."""
+        self._position.reset(disturbance)
+        self._until_position = 0
+
+    def trim(self, now: Estimate, target: Target, disturbance: Vec3) -> tuple[Quaternion, Four]:
+        """The attitude and motor commands with which ``target`` is held at rest against ``disturbance``."""
+        self.begin_position(disturbance)
+        attitude, thrust = self._position.update(now, target)
+        return attitude, self._mixer.mix((0.0, 0.0, 0.0), thrust)[0]
+
+    def stop(self, now: Estimate) -> Four:
+        """Motors off."""
+        self._rates.reset(now.w_b)
+        self.thrust = 0.0
+        self.rates_wanted = (0.0, 0.0, 0.0)
+        self.commands = STOPPED
+        return self.commands
+
+    def fly_motors(self, now: Estimate, commands: Four) -> Four:
+        """Motor commands as they come."""
+        self._rates.reset(now.w_b)
+        self.thrust = sum(commands) / 4.0
+        self.commands = commands
+        return commands
+
+    def fly_rates(self, now: Estimate, rates: RatesWanted, thrust: float, on_ground: bool = False) -> Four:
+        """Body rates (rad/s) and thrust."""
+        torque = self._rates.update(now.w_b, rates, integrate=not on_ground)
+        self.commands, self._rates.lost = self._mixer.mix(torque, thrust)
+        self.rates_wanted = rates
+        self.thrust = thrust
+        return self.commands
+
+    def fly_attitude(
+        self, now: Estimate, attitude: Quaternion, thrust: float, heading_rate: float = 0.0, on_ground: bool = False
+    ) -> Four:
+        """An attitude and thrust, the heading turning at ``heading_rate`` rad/s."""
+        return self.fly_rates(now, rates_for(now.q_nb, attitude, heading_rate), thrust, on_ground)
+
+    @property
+    def wants_target(self) -> bool:
+        """Whether the position loop runs in this step and is to be told where to go."""
+        return self._until_position == 0
+
+    def aim(self, now: Estimate, target: Target) -> None:
+        """A place, a velocity, an acceleration or any mixture, for the next ``position_step`` s of ``fly_aim``."""
+        attitude, thrust = self._position.update(now, target)
+        self._aim = (attitude, thrust, target.heading_rate)
+        self._until_position = self._every
+
+    def fly_aim(self, now: Estimate) -> Four:
+        """On to where ``aim`` pointed."""
+        self._until_position -= 1
+        attitude, thrust, heading_rate = self._aim
+        return self.fly_attitude(now, attitude, thrust, heading_rate)

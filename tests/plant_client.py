@@ -1,0 +1,117 @@
+"""A client for the plant's tests: speaks to a Bridge in lockstep, remembers what it hears."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from companion.config.vehicle import load_vehicle
+from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.dialect import Value, message
+from companion.mavlink.modes import Mode
+from companion.world import World
+from sim_bridge.bridge import Bridge
+
+ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED, FAILED = range(5)
+ARM, SET_MODE, TAKEOFF, LAND, RETURN = 400, 176, 22, 21, 20
+SET_INTERVAL, GET_INTERVAL, REQUEST = 511, 510, 512
+NAN = float("nan")
+
+
+class Heard(NamedTuple):
+    """A message, when it came (the bridge's time), by which endpoint."""
+
+    at: float
+    endpoint: int
+    name: str
+    fields: dict[str, Any]
+
+
+class Client:
+    """A companion (endpoint 0) and an operator (endpoint 1) in one."""
+
+    def __init__(self, vehicle: str = "x500", world: World | None = None, **options: Any) -> None:
+        self.bridge = Bridge(load_vehicle(vehicle), world or World(), **options)
+        self.heard: list[Heard] = []
+        self._encoders = (Encoder(1, 191), Encoder(255, 190))
+        self._decoders = (Decoder(), Decoder())
+
+    def listen(self) -> None:
+        for endpoint, datagram in self.bridge.datagrams():
+            for frame in self._decoders[endpoint].datagram(datagram):
+                if (frame.system, frame.component) != (1, 1):
+                    continue  # passed on from the other link
+                fields = frame.format.named(frame.values)
+                self.heard.append(Heard(self.bridge.now, endpoint, frame.format.name, fields))
+
+    def send(self, name: str, endpoint: int = 0, **fields: Value) -> None:
+        fmt = message(name)
+        for target in ("target_system", "target_component"):
+            if target in fmt.where:
+                fields.setdefault(target, 1)
+        self.bridge.receive(self._encoders[endpoint].message(fmt, **fields), endpoint)
+        self.listen()
+
+    def command(self, command: int, *parameters: float, endpoint: int = 0) -> int | None:
+        """The result of a command, None if there was no answer."""
+        before = len(self.heard)
+        given = (*parameters, *(0.0,) * (7 - len(parameters)))
+        named = {f"param{i + 1}": value for i, value in enumerate(given)}
+        self.send("COMMAND_LONG", endpoint, command=command, **named)
+        answers = [h for h in self.heard[before:] if h.name == "COMMAND_ACK" and h.fields["command"] == command]
+        assert len(answers) <= 1
+        return answers[0].fields["result"] if answers else None
+
+    def mode(self, mode: Mode, endpoint: int = 0) -> int | None:
+        return self.command(SET_MODE, 1, mode.main, mode.sub, endpoint=endpoint)
+
+    def ground_station(self) -> None:
+        """The operator's heartbeat, which opens the link for texts."""
+        self.send("HEARTBEAT", 1, type=6, autopilot=8)
+
+    def rates(self, p: float = 0.0, q: float = 0.0, r: float = 0.0, thrust: float = 0.5, mask: int = 0x80) -> None:
+        self.send(
+            "SET_ATTITUDE_TARGET", body_roll_rate=p, body_pitch_rate=q, body_yaw_rate=r, thrust=thrust,
+            type_mask=mask, q=(1.0, 0.0, 0.0, 0.0),
+        )  # fmt: skip
+
+    def motors(self, *commands: float) -> None:
+        self.send("SET_ACTUATOR_CONTROL_TARGET", controls=(*commands, 0.0, 0.0, 0.0, 0.0))
+
+    def run(self, seconds: float, every_step: Any = None) -> None:
+        """Let time pass, calling ``every_step`` before each step."""
+        until = self.bridge.now + seconds - 1e-9
+        while self.bridge.now < until:
+            if every_step is not None:
+                every_step()
+            self.bridge.step()
+            self.listen()
+
+    def run_until(self, happens: Any, at_most: float) -> float:
+        """Let time pass until ``happens()``; how long it took. Fails after ``at_most`` s."""
+        start = self.bridge.now
+        while not happens():
+            assert self.bridge.now - start < at_most, "it did not happen"
+            self.bridge.step()
+            self.listen()
+        return self.bridge.now - start
+
+    def all(self, name: str, endpoint: int = 0, since: float = -1.0) -> list[dict[str, Any]]:
+        return [h.fields for h in self.heard if h.name == name and h.endpoint == endpoint and h.at > since]
+
+    def last(self, name: str, endpoint: int = 0) -> dict[str, Any]:
+        return self.all(name, endpoint)[-1]
+
+    def texts(self) -> list[str]:
+        """What the operator has read, pieces put together."""
+        texts: dict[int, str] = {}
+        for fields in self.all("STATUSTEXT", 1):
+            texts[fields["id"]] = texts.get(fields["id"], "") + fields["text"]
+        return list(texts.values())
+
+    @property
+    def flown(self) -> Mode:
+        return self.bridge.autopilot.commander.mode
+
+    @property
+    def height(self) -> float:
+        return -self.bridge.truth.p_n[2]
