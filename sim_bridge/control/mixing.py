@@ -74,16 +74,21 @@ class Mixer:
         motors = _relieved(motors, self._yaw, low, wider)
         motors = _relieved(motors, down, low, high, only_along=True)
         motors = tuple(max(bottom, min(1.0, a)) for a, bottom in zip(motors, low, strict=True))  # type: ignore[assignment]
-        lost = tuple(
+        roll, pitch, yaw = (
             wanted - sum(b * a for b, a in zip(row, motors, strict=True))
             for wanted, row in zip(torque, self._back, strict=True)
         )
-        return motors, lost  # type: ignore[return-value]
+        return motors, (_without_rounding(roll), _without_rounding(pitch), _without_rounding(yaw))
 
 
 def _four(values: np.ndarray) -> Four:
     a, b, c, d = map(float, values)
     return (a, b, c, d)
+
+
+def _without_rounding(lost: float) -> float:
+    """``lost``, or 0 where it is only the arithmetic's: a loss stops an integral, so it must be one."""
+    return lost if abs(lost) > 1e-9 else 0.0
 
 
 def _scale_of_a_tilting_axis(column: np.ndarray) -> float:

@@ -1,0 +1,254 @@
+"""The inner loops: PX4's step responses, mixing and what it gives up, attitude and position control by themselves."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import random
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from plant_client import Client
+
+from companion.config.vehicle import load_vehicle
+from companion.config.world import load_world
+from companion.frames import (
+    Quaternion,
+    Vec3,
+    conjugate,
+    from_rotation_vector,
+    multiply,
+    normalised,
+    rotation_matrix,
+    to_world,
+)
+from companion.mavlink.modes import Mode
+from companion.vehicle import Rotor, Spin, Vehicle
+from sim_bridge.control.attitude import GAINS, RATE_MAX, YAW_WEIGHT, rates_for
+from sim_bridge.control.filters import ButterworthLowPass, LowPass
+from sim_bridge.control.mixing import Mixer
+from sim_bridge.control.reference import Pace, Reference, along, arrival_speed, towards
+from sim_bridge.rotors import torque_per_newton
+
+
+def rate_step(axis: int, vehicle: str = "sih") -> list[float]:
+    """The true body rate over the demand, every 4 ms after a step in offboard hover."""
+    client = Client(vehicle, load_world("sih"), endpoints=1)
+    hover = client.bridge.autopilot.cascade.hover
+    client.rates(thrust=hover)
+    client.mode(Mode.OFFBOARD)
+    client.run(0.2, lambda: client.rates(thrust=hover))
+    demand = [0.7 if i == axis else 0.0 for i in range(3)]
+    response = []
+    for _ in range(300):
+        client.run(0.004, lambda: client.rates(*demand, thrust=hover))
+        response.append(client.bridge.truth.w_b[axis] / 0.7)
+    return response
+
+
+def time_to(level: float, response: list[float]) -> float:
+    """ms from the step to ``level``, between the samples by a straight line."""
+    for i, (before, after) in enumerate(itertools.pairwise([0.0, *response])):
+        if after >= level:
+            return 4.0 * (i + (level - before) / (after - before))
+    raise AssertionError(f"never reached {level}")
+
+
+@pytest.mark.parametrize(
+    ("axis", "times", "overshoot"),
+    [(0, (30, 76, 92, 136), 1.075), (1, (30, 76, 92, 136), 1.075), (2, (140, 350, 432, 875), None)],
+)
+def test_rate_steps_are_px4s(axis: int, times: tuple[float, ...], overshoot: float | None) -> None:
+    """px4.md section 5, measured on PX4 with the vehicle `sih`: to 10 % and 4 points of overshoot."""
+    response = rate_step(axis)
+    seen = [time_to(level, response) for level in (0.1, 0.5, 0.63, 0.9)]
+    assert seen == pytest.approx(times, rel=0.1)
+    if overshoot is None:
+        assert max(response) < 1.0
+        assert response[249] == pytest.approx(0.91, abs=0.04)
+    else:
+        assert max(response) == pytest.approx(overshoot, abs=0.04)
+
+
+def test_a_thrust_step_is_the_motors_lag() -> None:
+    """The setpoint acts one step after the state it answers; then the force follows with 50 ms."""
+    client = Client("sih", load_world("sih"), endpoints=1)
+    client.rates(thrust=0.4905)
+    client.mode(Mode.OFFBOARD)
+    client.run(0.5, lambda: client.rates(thrust=0.4905))
+    forces = []
+    for _ in range(75):
+        client.rates(thrust=0.5905)
+        client.bridge.step()
+        forces.append((client.bridge.truth.thrust / 20.0 - 0.4905) / 0.1)
+    assert forces[0] == pytest.approx(0.0, abs=1e-3)
+    assert forces[13] == pytest.approx(1.0 - math.exp(-0.052 / 0.05), abs=1e-3)
+    assert forces[-1] == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("vehicle", ["x500", "paper"])
+def test_other_vehicles_answer_as_quickly(vehicle: str) -> None:
+    response = rate_step(0, vehicle)
+    assert 50.0 < time_to(0.63, response) < 110.0
+    assert max(response) < 1.2
+
+
+def test_the_mixer_has_px4s_figures_for_a_quad_x() -> None:
+    mixer = Mixer(load_vehicle("sih").rotors)
+    mid = 0.5
+    for torque, moves in (
+        ((0.1, 0.0, 0.0), (-0.0707107, 0.0707107, 0.0707107, -0.0707107)),
+        ((0.0, 0.1, 0.0), (0.0707107, -0.0707107, 0.0707107, -0.0707107)),
+        ((0.0, 0.0, 0.1), (0.1, 0.1, -0.1, -0.1)),
+    ):
+        motors, lost = mixer.mix(torque, mid)
+        assert motors == pytest.approx(tuple(mid + move for move in moves), abs=1e-6)
+        assert lost == (0.0, 0.0, 0.0)
+    assert mixer.torque_per_unit == pytest.approx((2.828427, 2.828427, 0.4))
+    assert mixer.thrust_per_unit == pytest.approx(20.0)
+
+
+def some_vehicle(rng: random.Random) -> Vehicle:
+    """Four rotors around the centre of mass, unequal in place, strength and torque."""
+    spins = (Spin.CCW, Spin.CW, Spin.CCW, Spin.CW)
+    rotors = []
+    for i, spin in enumerate(spins):
+        angle, radius = math.pi / 2.0 * i + rng.uniform(-0.5, 0.5), rng.uniform(0.15, 0.3)
+        place = (radius * math.cos(angle), radius * math.sin(angle), rng.uniform(-0.05, 0.05))
+        rotors.append(
+            Rotor(place, spin, rng.uniform(8.0, 12.0), rng.uniform(0.01, 0.03), (0.0, rng.choice((0.8, 1.0))))
+        )
+    return replace(load_vehicle("x500"), rotors=tuple(rotors))
+
+
+def test_any_geometry_gives_the_torque_and_thrust_asked_for() -> None:
+    """The motors the mixer finds, put back through each rotor's own torque and thrust."""
+    rng = random.Random(2)
+    for _ in range(100):
+        rotors = some_vehicle(rng).rotors
+        mixer = Mixer(rotors)
+        torque = tuple(rng.uniform(-0.05, 0.05) for _ in range(3))
+        motors, lost = mixer.mix(torque, 0.35)  # type: ignore[arg-type]
+        assert lost == (0.0, 0.0, 0.0)
+        thrusts = [motor * rotor.thrust_max for motor, rotor in zip(motors, rotors, strict=True)]
+        given = sum(f * np.array(torque_per_newton(rotor)) for f, rotor in zip(thrusts, rotors, strict=True))
+        assert given == pytest.approx(np.array(torque) * mixer.torque_per_unit)
+        assert sum(thrusts) == pytest.approx(0.35 * mixer.thrust_per_unit)
+
+
+def test_saturation_gives_up_yaw_first_and_then_thrust_but_not_roll() -> None:
+    mixer = Mixer(load_vehicle("sih").rotors)
+    motors, lost = mixer.mix((0.2, 0.0, 0.6), 0.5)  # all of it does not fit
+    assert lost[0] == pytest.approx(0.0, abs=1e-9)
+    assert lost[2] > 0.1
+    assert sum(motors) / 4.0 == pytest.approx(0.5)
+    motors, lost = mixer.mix((0.2, 0.0, 0.0), 0.95)  # roll at full throttle: thrust yields
+    assert lost == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+    assert sum(motors) / 4.0 == pytest.approx(1.0 - 0.2 * math.sqrt(0.5))
+    motors, lost = mixer.mix((0.2, 0.0, 0.0), 0.0)  # roll with the throttle closed: thrust never grows
+    assert lost[0] == pytest.approx(0.2)
+    assert motors == pytest.approx((0.0, 0.0, 0.0, 0.0), abs=1e-9)
+
+
+def test_motor_commands_stay_in_range_whatever_is_asked() -> None:
+    rng = random.Random(4)
+    for name in ("sih", "x500", "paper"):
+        rotors = load_vehicle(name).rotors
+        mixer = Mixer(rotors)
+        for _ in range(500):
+            torque = tuple(rng.gauss(0.0, rng.choice((0.1, 1.0, 1e6))) for _ in range(3))
+            motors, _ = mixer.mix(torque, rng.uniform(-0.5, 1.7))  # type: ignore[arg-type]
+            assert all(r.command[0] - 1e-9 <= m <= r.command[1] + 1e-9 for m, r in zip(motors, rotors, strict=True))
+
+
+def test_rotors_that_cannot_turn_the_vehicle_are_refused() -> None:
+    rotors = tuple(replace(rotor, spin=Spin.CW) for rotor in load_vehicle("sih").rotors)
+    with pytest.raises(ValueError, match="cannot turn the vehicle"):
+        Mixer(rotors)
+
+
+def by_the_paper(q: Quaternion, wanted: Quaternion) -> Vec3:
+    """PX4's controller as its source has it: reduced attitude in the world, then mixed with the full one."""
+    z_now, z_wanted = (to_world(rotation_matrix(a), (0.0, 0.0, 1.0)) for a in (q, wanted))
+    axis = np.cross(z_now, z_wanted)
+    angle = math.atan2(float(np.linalg.norm(axis)), float(np.dot(z_now, z_wanted)))
+    x, y, z = axis / np.linalg.norm(axis) * angle
+    reduced = multiply(from_rotation_vector((float(x), float(y), float(z))), q)
+    rest = multiply(conjugate(reduced), wanted)
+    w, z = (rest[0], rest[3]) if rest[0] >= 0.0 else (-rest[0], -rest[3])
+    turn = (math.cos(YAW_WEIGHT * math.acos(min(1.0, w))), 0.0, 0.0, math.sin(YAW_WEIGHT * math.asin(z)))
+    error = multiply(conjugate(q), multiply(reduced, turn))
+    sign = 1.0 if error[0] >= 0.0 else -1.0
+    gains = (GAINS[0], GAINS[1], GAINS[2] / YAW_WEIGHT)
+    rates = [2.0 * sign * e * g for e, g in zip(error[1:], gains, strict=True)]
+    p, q_, r = (max(-most, min(most, rate)) for rate, most in zip(rates, RATE_MAX, strict=True))
+    return (p, q_, r)
+
+
+def test_attitude_control_is_the_papers() -> None:
+    rng = random.Random(6)
+    for _ in range(300):
+        q, wanted = (normalised(tuple(rng.gauss(0.0, 1.0) for _ in range(4))) for _ in range(2))  # type: ignore[arg-type]
+        assert rates_for(q, wanted) == pytest.approx(by_the_paper(q, wanted), abs=1e-8)
+        back = (-q[0], -q[1], -q[2], -q[3])
+        assert rates_for(back, wanted) == pytest.approx(rates_for(q, wanted))
+
+
+def test_attitude_control_at_rest_and_signs() -> None:
+    level = (1.0, 0.0, 0.0, 0.0)
+    assert rates_for(level, level) == (0.0, 0.0, 0.0)
+    for axis in range(3):
+        small = tuple(0.1 if i == axis else 0.0 for i in range(3))
+        rates = rates_for(level, from_rotation_vector(small))  # type: ignore[arg-type]
+        assert rates == pytest.approx(tuple(GAINS[axis] * x for x in small), abs=2e-3)
+    upside_down = (0.0, 1.0, 0.0, 0.0)
+    assert abs(rates_for(upside_down, level)[0]) == RATE_MAX[0]
+    on_its_side = from_rotation_vector((math.pi / 2, 0.0, 0.0))
+    assert rates_for(on_its_side, on_its_side, heading_rate=0.5) == pytest.approx((0.0, 0.5, 0.0))
+
+
+def test_filters_pass_what_is_slow_and_halve_power_at_the_cutoff() -> None:
+    for make in (LowPass, ButterworthLowPass):
+        low = make(10.0, 0.001)
+        for _ in range(2000):
+            steady = low.update(3.0)
+        assert steady == pytest.approx(3.0)
+    second = ButterworthLowPass(10.0, 0.001)
+    outputs = [second.update(math.sin(2.0 * math.pi * 10.0 * i * 0.001)) for i in range(3000)]
+    assert max(outputs[2000:]) == pytest.approx(math.sqrt(0.5), rel=1e-3)
+    settled = ButterworthLowPass(10.0, 0.001)
+    settled.settle(2.0)
+    assert settled.update(2.0) == pytest.approx(2.0)
+    assert ButterworthLowPass(40.0, 0.0125).update(7.0) == 7.0  # at half the sample rate: everything
+
+
+def test_a_reference_arrives_at_its_place_within_its_limits() -> None:
+    pace, step = Pace(), 0.008
+    reference = Reference((0.0, 0.0, 0.0), (1.0, -2.0, 0.5))
+    speeds, accelerations, jerks = [], [], []
+    for _ in range(3000):
+        before, reference = reference, towards(reference, (30.0, 20.0, -12.0), pace, step)
+        speeds.append(math.hypot(*reference.v_n[:2]))
+        accelerations.append(math.hypot(*reference.a_n[:2]))
+        jerks.append(math.dist(reference.a_n[:2], before.a_n[:2]) / step)
+    assert reference.p_n == pytest.approx((30.0, 20.0, -12.0), abs=0.02)
+    assert reference.v_n == pytest.approx((0.0, 0.0, 0.0), abs=0.02)
+    assert max(speeds) == pytest.approx(pace.cruise, rel=0.05)
+    assert max(accelerations) <= pace.acceleration * 1.001
+    assert max(jerks) <= pace.jerk * 1.001
+
+
+def test_a_reference_told_to_stop_stops() -> None:
+    reference = Reference((0.0, 0.0, -5.0), (8.0, 0.0, -2.0))
+    for _ in range(1000):
+        reference = along(reference, (0.0, 0.0, 0.0), Pace(), 0.008)
+    assert reference.v_n == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+    assert 8.0**2 / 2 / 3.0 < reference.p_n[0] < 8.0**2 / 2 / 3.0 + 8.0
+
+
+def test_arrival_speed_grows_with_the_distance() -> None:
+    speeds = [arrival_speed(distance, 5.0, Pace()) for distance in (0.0, 0.1, 1.0, 5.0, 50.0)]
+    assert speeds[0] == 0.0
+    assert speeds == sorted(speeds)
+    assert speeds[-1] == 5.0
