@@ -75,11 +75,13 @@ class Autopilot:
     @property
     def landed_state(self) -> Landed:
         """The state EXTENDED_SYS_STATE tells."""
+        mode = self.commander.mode if self.commander.armed else None
         if self.commander.landed:
             return Landed.ON_GROUND
-        if self.commander.armed and self.commander.mode is Mode.TAKEOFF:
+        if mode is Mode.TAKEOFF:
             return Landed.TAKING_OFF
-        return Landed.LANDING if self.commander.armed and self.guidance.is_landing else Landed.IN_AIR
+        descends = mode is Mode.LAND or (mode is Mode.RETURN and self.guidance.is_landing)
+        return Landed.LANDING if descends else Landed.IN_AIR
 
     def control(self) -> Four:
         """The motor commands for the coming step, from the last estimate."""
@@ -142,6 +144,9 @@ class Autopilot:
         """Change what is flown. A demand that came with the change to offboard stays; others end with offboard."""
         came_from_offboard = self._flown in (None, Mode.OFFBOARD)
         self._flown = mode
+        if mode is Mode.TAKEOFF and self.guidance.takeoff_to is None:
+            height = self.parameters["MIS_TAKEOFF_ALT"]
+            self.commander.say(Severity.INFO, f"Using default takeoff altitude: {height:.1f} m\t")
         self.guidance.enter(mode, self.estimate)
         if mode is not Mode.OFFBOARD:
             self.demand = None
