@@ -23,8 +23,8 @@ class AllocationError(CompanionError):
 
 
 class Allocated(NamedTuple):
-    """``commands``: in each rotor's command range. ``lost``: what saturation took from (thrust N, torques N m) as asked.
-    ``saturated``: whether any rotor stands at its limit."""
+    """``commands``: in each rotor's command range. ``lost``: what saturation took from the thrust (N) and torques (N m)
+    asked for. ``saturated``: whether any rotor stands at its limit."""
 
     commands: Four
     lost: Four
@@ -40,7 +40,7 @@ def mixing_matrix(vehicle: Vehicle) -> Matrix4:
     for rotor in vehicle.rotors:
         c = 1.0 / rotor.torque_per_thrust
         x, y, _ = rotor.position_b
-        columns.append((c, -y * c, x * c, rotor.spin.reaction))
+        columns.append((c, 0.0 - y * c, 0.0 + x * c, rotor.spin.reaction))
     return tuple(zip(*columns, strict=True))  # type: ignore[return-value]
 
 
@@ -87,7 +87,7 @@ class Allocation:
         return (thrust, roll, pitch, yaw)
 
     def allocate(self, u: Four) -> Allocated:
-        """Commands within their ranges that come nearest to ``u``, giving up yaw first, then thrust, then roll and pitch.
+        """Commands within their ranges, giving up yaw first, then thrust, then roll and pitch.
 
         The direction of the thrust carries the vehicle: yaw can wait, and a thrust that is a little off comes back
         sooner than an attitude that is.

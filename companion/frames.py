@@ -109,3 +109,16 @@ def to_body(r: Matrix3, v_n: Vec3) -> Vec3:
     """v_b = R_nb^T @ v_n."""
     x, y, z = v_n
     return (r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z)
+
+
+def upright_error(r: Matrix3) -> tuple[float, float]:
+    """The rotation vector about body x and y that turns the body's down axis onto the world's, for small angles.
+
+    Its length is the sine of the tilt; upside down it stays at a quarter turn's.
+    """
+    # the world's down axis in the body frame is the last row of R_nb; e3 x down = (-y, x, 0)
+    x, y, z = r[6], r[7], r[8]
+    if z >= 0.0:
+        return (-y, x)
+    size = math.hypot(x, y)
+    return (-y / size, x / size) if size > 1e-9 else (1.0, 0.0)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from companion.frames import Matrix3, Quaternion, Vec3, rotation_matrix
 
@@ -101,8 +102,7 @@ class Vehicle:
         return sum(rotor.thrust_max * rotor.command[1] for rotor in self.rotors)
 
 
-@dataclass(frozen=True, slots=True)
-class VehicleState:
+class VehicleState(NamedTuple):
     """The vehicle's own estimate at one stamp.
 
     ``t_boot``: s, the vehicle's clock. ``p_n``, ``v_n``: m, m/s in its local NED frame. ``q_nb``: body to world.
@@ -122,6 +122,77 @@ class VehicleState:
         return rotation_matrix(self.q_nb)
 
 
+class Mode(enum.Enum):
+    """A flight mode of PX4, by its own numbers (main, sub)."""
+
+    MANUAL = (1, 0)
+    ALTITUDE = (2, 0)
+    POSITION = (3, 0)
+    ORBIT = (3, 1)
+    POSITION_SLOW = (3, 2)
+    READY = (4, 1)
+    TAKEOFF = (4, 2)
+    HOLD = (4, 3)
+    MISSION = (4, 4)
+    RETURN = (4, 5)
+    LAND = (4, 6)
+    FOLLOW = (4, 8)
+    PRECISION_LAND = (4, 9)
+    GUIDED_COURSE = (4, 19)
+    DESCEND = (4, 20)
+    ACRO = (5, 0)
+    OFFBOARD = (6, 0)
+    STABILIZED = (7, 0)
+    TERMINATION = (10, 0)
+    ALTITUDE_CRUISE = (11, 0)
+    UNKNOWN = (0, 0)
+
+    @property
+    def words(self) -> str:
+        """Its name as a pilot reads it."""
+        return self.name.replace("_", " ").capitalize()
+
+    @property
+    def main(self) -> int:
+        """The main mode of DO_SET_MODE's second parameter."""
+        return self.value[0]
+
+    @property
+    def sub(self) -> int:
+        """The sub mode of DO_SET_MODE's third parameter."""
+        return self.value[1]
+
+    @property
+    def custom_mode(self) -> int:
+        """The number in HEARTBEAT and CURRENT_MODE."""
+        return self.value[0] << 16 | self.value[1] << 24
+
+
+class Landed(enum.Enum):
+    """Where the vehicle says it is (MAV_LANDED_STATE)."""
+
+    UNDEFINED = 0
+    ON_GROUND = 1
+    IN_AIR = 2
+    TAKING_OFF = 3
+    LANDING = 4
+
+
+class VehicleStatus(NamedTuple):
+    """What the vehicle last said of itself; None where it has not said.
+
+    ``mode`` is the mode it is in, ``intended`` the one its user asked for (they differ in a failsafe). ``ready``: it
+    would accept arming.
+    """
+
+    armed: bool | None = None
+    mode: Mode | None = None
+    intended: Mode | None = None
+    landed: Landed | None = None
+    ready: bool | None = None
+    failsafe: bool | None = None
+
+
 class OutputLevel(enum.Enum):
     """The kind of setpoint the law goes out as."""
 
@@ -130,23 +201,20 @@ class OutputLevel(enum.Enum):
     ATTITUDE = "attitude"
 
 
-@dataclass(frozen=True, slots=True)
-class MotorSetpoint:
+class MotorSetpoint(NamedTuple):
     """Commands to the rotors in motor order, each inside its rotor's command range."""
 
     commands: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class RateSetpoint:
+class RateSetpoint(NamedTuple):
     """Body rates (rad/s, FRD) and collective thrust (0..1, up)."""
 
     rates_b: Vec3
     thrust: float
 
 
-@dataclass(frozen=True, slots=True)
-class AttitudeSetpoint:
+class AttitudeSetpoint(NamedTuple):
     """Attitude (body to world) and collective thrust (0..1, up)."""
 
     q_nb: Quaternion

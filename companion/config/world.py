@@ -1,4 +1,4 @@
-"""World files: the air, the link and the true machine of a simulated flight."""
+"""World files: the air, the link and the true machine of a simulated flight; and how a vehicle starts in it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from pydantic import Field, field_validator
 from companion.config.document import Document, parse
 from companion.config.places import find, read
 from companion.config.schema import Strict, validate
-from companion.world import Deviations, Home, Link, World
+from companion.frames import normalised
+from companion.world import Deviations, Home, Link, Start, World
 
 Speed = Annotated[float, Field(ge=-50.0, le=50.0)]
 Delay = Annotated[float, Field(ge=0.0, le=2.0)]
+Three = Annotated[list[Annotated[float, Field(ge=-1e6, le=1e6)]], Field(min_length=3, max_length=3)]
 
 
 class HomeModel(Strict):
@@ -74,6 +76,39 @@ class WorldModel(Strict):
     """the connection between vehicle and companion (delay_down_s, delay_up_s)"""
     truth: TruthModel = Field(default_factory=TruthModel)
     """the machine as it really is, where it differs from its vehicle file (mass_kg, drag_per_s, ...)"""
+
+
+class StartModel(Strict):
+    """A start in the air."""
+
+    position_n: Three
+    """where [north, east, down] in the local frame, in m"""
+    velocity_n: Three = Field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """how fast [north, east, down], in m/s"""
+    q_nb: Annotated[list[float], Field(min_length=4, max_length=4)] = Field(
+        default_factory=lambda: [1.0, 0.0, 0.0, 0.0]
+    )
+    """the attitude as a quaternion [w, x, y, z], body to world"""
+    rates_b: Three = Field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """the body rates [roll, pitch, yaw], in rad/s"""
+    held: bool = False
+    """whether nothing moves until the first setpoint in offboard"""
+
+    @field_validator("q_nb")
+    @classmethod
+    def _is_a_rotation(cls, q: list[float]) -> list[float]:
+        norm = sum(x * x for x in q) ** 0.5
+        if not 0.99 < norm < 1.01:
+            raise ValueError(f"{q} has length {norm:.4g}; expected a unit quaternion [w, x, y, z]")
+        return q
+
+
+def start_from(document: Document) -> Start:
+    """The start a document describes. ConfigError with every fault."""
+    model = validate(document, StartModel)
+    (px, py, pz), (vx, vy, vz), (wx, wy, wz) = model.position_n, model.velocity_n, model.rates_b
+    w, x, y, z = model.q_nb
+    return Start((px, py, pz), (vx, vy, vz), normalised((w, x, y, z)), (wx, wy, wz), model.held)
 
 
 def load_world(name: str) -> World:

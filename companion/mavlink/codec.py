@@ -7,7 +7,7 @@ not swallow the good frame behind it. What cannot be decoded is counted, never r
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -46,15 +46,24 @@ class Counters:
 
 @dataclass(slots=True)
 class Decoder:
-    """Decodes what one peer sends. ``wanted``: the message ids to unpack; None for every known one."""
+    """Decodes what one peer sends.
+
+    ``wanted``: the message ids to unpack; None for every known one. ``tap``: called with the bytes of every whole
+    frame, whether anybody wants it or not.
+    """
 
     wanted: Collection[int] | None = None
+    tap: Callable[[bytes], None] | None = None
     counters: Counters = field(default_factory=Counters)
     _sequence: dict[tuple[int, int], int] = field(default_factory=dict)
     _pending: bytes = b""
 
     def datagram(self, data: bytes) -> list[Frame]:
         """The frames in one datagram. What is left over does not touch the next datagram. Never raises."""
+        if len(data) >= 12 and data[0] == MAGIC_V2 and data[2] == 0 and data[1] + 12 == len(data):
+            fmt = FORMATS.get(data[7] | data[8] << 8 | data[9] << 16)  # the usual case: one whole frame and no more
+            if fmt is not None and _crc_fits(fmt, data, 0, len(data) - 2):
+                return [*self._accepted(fmt, data, data[4], data[5], data[6], data[10:-2])]
         frames, used = self._scan(data)
         self.counters.garbage_bytes += len(data) - used
         return frames
@@ -70,7 +79,6 @@ class Decoder:
         """The frames in ``data`` and how many bytes are dealt with: all but a frame that might still be arriving."""
         frames: list[Frame] = []
         counters = self.counters
-        wanted = self.wanted
         size = len(data)
         done = 0  # everything before is decoded or counted as garbage
         unfinished = size  # where the first frame begins that runs past the end
@@ -81,6 +89,8 @@ class Decoder:
             at = size if found is None else found.start()
             if unknown is not None and at >= unknown[1]:
                 counters.unknown += 1
+                if self.tap is not None:
+                    self.tap(data[unknown[0] : unknown[1]])
                 counters.garbage_bytes += unknown[0] - done
                 done = unknown[1]
                 unknown = None
@@ -113,22 +123,10 @@ class Decoder:
                     unknown = (at, end)
                 continue
             check = end - signature - 2
-            if mcrf4xx(fmt.crc_extra_byte, mcrf4xx(data[at + 1 : check])) != data[check] | data[check + 1] << 8:
+            if not _crc_fits(fmt, data, at, check):
                 counters.bad_crc += 1
                 continue
-            counters.frames += 1
-            key = (system, component)
-            last = self._sequence.get(key)
-            if last is not None:
-                counters.lost += (sequence - last - 1) & 0xFF
-            self._sequence[key] = sequence
-            if wanted is None or msgid in wanted:
-                payload = data[at + header : check]
-                if length < fmt.size:
-                    payload += bytes(fmt.size - length)
-                elif length > fmt.size:
-                    payload = payload[: fmt.size]
-                frames.append(Frame(fmt, system, component, fmt.unpack(payload), data[at:end]))
+            frames += self._accepted(fmt, data[at:end], sequence, system, component, data[at + header : check])
             counters.garbage_bytes += at - done
             done = end
             unfinished = size
@@ -136,6 +134,30 @@ class Decoder:
             at = end - 1
         counters.garbage_bytes += unfinished - done
         return frames, unfinished
+
+    def _accepted(
+        self, fmt: Format, raw: bytes, sequence: int, system: int, component: int, payload: bytes
+    ) -> Iterable[Frame]:
+        """Count a whole frame, and unpack it where it is wanted."""
+        self.counters.frames += 1
+        key = (system, component)
+        last = self._sequence.get(key)
+        if last is not None:
+            self.counters.lost += (sequence - last - 1) & 0xFF
+        self._sequence[key] = sequence
+        if self.tap is not None:
+            self.tap(raw)
+        if self.wanted is not None and fmt.id not in self.wanted:
+            return ()
+        # MAVLink 2 cuts trailing zeros off; a newer sender may know more fields than we do
+        values = fmt.unpack(payload.ljust(fmt.size, b"\0")[: fmt.size])
+        return (Frame(fmt, system, component, values, raw),)
+
+
+def _crc_fits(fmt: Format, data: bytes, start: int, check: int) -> bool:
+    """Whether the two bytes at ``check`` are the CRC of what lies between them and the start byte."""
+    crc: int = mcrf4xx(fmt.crc_extra_byte, mcrf4xx(data[start + 1 : check]))
+    return crc == data[check] | data[check + 1] << 8
 
 
 @dataclass(slots=True)

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from companion.frames import Vec3
 
-_NEWTON_STEPS = 4
+NEWTON_STEPS = 8
+NEAREST_TOLERANCE = 1e-7
+"""m; the distance is then right to the square of it over the radius."""
 
 
 class Knot(NamedTuple):
@@ -51,17 +53,24 @@ def _quintic(p0: float, v0: float, a0: float, p1: float, v1: float, a1: float, h
 
 def evaluated(piece: Piece, u: float) -> tuple[Vec3, Vec3, Vec3]:
     """Point, first and second derivative of ``piece``, ``u`` after its beginning."""
-    (x, dx, ddx), (y, dy, ddy), (z, dz, ddz) = (_horner(axis, u) for axis in piece)
-    return (x, y, z), (dx, dy, dz), (ddx, ddy, ddz)
-
-
-def _horner(c: tuple[float, ...], u: float) -> tuple[float, float, float]:
-    value, first, second = c[0], 0.0, 0.0
-    for coefficient in c[1:]:
-        second = second * u + first
-        first = first * u + value
-        value = value * u + coefficient
-    return value, first, 2.0 * second
+    (a5, a4, a3, a2, a1, a0), (b5, b4, b3, b2, b1, b0), (c5, c4, c3, c2, c1, c0) = piece
+    return (
+        (
+            ((((a5 * u + a4) * u + a3) * u + a2) * u + a1) * u + a0,
+            ((((b5 * u + b4) * u + b3) * u + b2) * u + b1) * u + b0,
+            ((((c5 * u + c4) * u + c3) * u + c2) * u + c1) * u + c0,
+        ),
+        (
+            (((5.0 * a5 * u + 4.0 * a4) * u + 3.0 * a3) * u + 2.0 * a2) * u + a1,
+            (((5.0 * b5 * u + 4.0 * b4) * u + 3.0 * b3) * u + 2.0 * b2) * u + b1,
+            (((5.0 * c5 * u + 4.0 * c4) * u + 3.0 * c3) * u + 2.0 * c2) * u + c1,
+        ),
+        (
+            ((20.0 * a5 * u + 12.0 * a4) * u + 6.0 * a3) * u + 2.0 * a2,
+            ((20.0 * b5 * u + 12.0 * b4) * u + 6.0 * b3) * u + 2.0 * b2,
+            ((20.0 * c5 * u + 12.0 * c4) * u + 6.0 * c3) * u + 2.0 * c2,
+        ),
+    )
 
 
 @dataclass(frozen=True)
@@ -91,20 +100,19 @@ class ArcTable:
     def nearest(self, p: Vec3, s: float, reach: float = math.inf) -> tuple[float, float]:
         """(arc length, distance) of the point nearest to ``p``, searched downhill from ``s`` and at most ``reach`` away
         from it: a curve that crosses itself is not left for its other branch."""
-        start = s
         px, py, pz = p
-        for _ in range(_NEWTON_STEPS):
-            (x, y, z), (tx, ty, tz), (kx, ky, kz) = self.at(s)
+        moved = 0.0  # from s
+        for _ in range(NEWTON_STEPS):
+            (x, y, z), (tx, ty, tz), (kx, ky, kz) = self.at(s + moved)
             ex, ey, ez = px - x, py - y, pz - z
             along = ex * tx + ey * ty + ez * tz
-            speed2 = tx * tx + ty * ty + tz * tz
             # past the evolute the nearest point is not near any more; the floor keeps the step downhill
-            step = along / max(speed2 - (ex * kx + ey * ky + ez * kz), 0.25 * speed2)
-            s = self.within(start + max(-reach, min(reach, self.difference(s, start) + step)))
-            if abs(step) < 1e-9:
+            step = along / max(1.0 - (ex * kx + ey * ky + ez * kz), 0.25)
+            further = max(-reach, min(reach, moved + step))
+            if abs(further - moved) < NEAREST_TOLERANCE:
                 break
-        x, y, z = self.at(s)[0]
-        return s, math.dist((x, y, z), p)
+            moved = further
+        return self.within(s + moved), math.sqrt(ex * ex + ey * ey + ez * ez)
 
     def locate(self, p: Vec3) -> tuple[float, float]:
         """(arc length, distance) of the nearest point of the whole curve."""

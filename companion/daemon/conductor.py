@@ -1,0 +1,250 @@
+"""One flight, without sockets or clocks: datagrams and the time in, datagrams out.
+
+Here, and only here, MAVLink and the pilot meet. ``loop`` runs a conductor on a real link; the simulator runs the same
+conductor against the plant under a simulated clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from companion import pilot
+from companion.flight.guards import Answer, Reply
+from companion.flight.phases import Phase, Request
+from companion.frames import Vec3
+from companion.mavlink import link as wire
+from companion.mavlink import setpoints, telemetry
+from companion.mavlink.codec import Decoder
+from companion.mission import GlobalOrigin, Mission, Origin
+from companion.pilot import Memory, Observation, Outcome
+from companion.plan import Plan, prepared
+from companion.record.folder import Recorder
+from companion.vehicle import (
+    CompanionError,
+    Landed,
+    Mode,
+    MotorInterface,
+    OutputLevel,
+    Vehicle,
+    VehicleState,
+)
+
+COMMANDS = {
+    Request.ARM: wire.ARM,
+    Request.DISARM: wire.DISARM,
+    Request.TAKE_OFF: wire.AUTO_TAKE_OFF,
+    Request.OFFBOARD: wire.set_mode(Mode.OFFBOARD),
+    Request.HOLD: wire.set_mode(Mode.HOLD),
+    Request.LAND: wire.AUTO_LAND,
+}
+IDENTITY_WITHIN = 5.0
+"""s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
+
+
+@dataclass(frozen=True)
+class Orders:
+    """What is to be flown. ``origin``: what the mission counts from where its file does not say."""
+
+    mission: Mission
+    vehicle: Vehicle
+    level: OutputLevel
+    duration: float | None
+    origin: Origin
+
+
+class Tick(NamedTuple):
+    """What the last tick saw and did, kept until the setpoint is on its way."""
+
+    seen: Observation
+    memory: Memory
+    outcome: Outcome
+    now: float
+
+
+class Conductor:
+    """One companion flying one vehicle.
+
+    Doors: ``receive`` and ``on_timer`` take the time (s, monotonic); ``datagrams`` gives what is to be sent; ``sent``
+    is told when that is done; ``next_timer`` says when to call again. ``notes``: lines for people, taken by the caller.
+    ``refusal``: why the flight was not even begun, in one sentence.
+    """
+
+    def __init__(self, orders: Orders, recorder: Recorder | None, now: float, *, stream: bool = False) -> None:
+        rate = orders.vehicle.state_rate
+        self.orders = orders
+        self.link = wire.Link(
+            streams=(
+                wire.stream(telemetry.ODOMETRY.id, rate),
+                wire.stream(telemetry.CURRENT_MODE.id, 20.0),
+                wire.stream(telemetry.EXTENDED_SYS_STATE.id, 10.0),
+            )
+        )
+        self.telemetry = telemetry.Telemetry()
+        self.decoder = Decoder(wanted=wire.WANTED | telemetry.WANTED)
+        if recorder is not None:
+            self.decoder.tap = self._record
+        self.plan: Plan | None = None
+        self.memory: Memory | None = None
+        self.notes: list[str] = []
+        self.refusal: str | None = None
+        self.last: Tick | None = None
+        self.states = 0
+        self._stream = stream
+        self._stop = False
+        self._heard_at: float | None = None
+        self._wake_at = now
+        self._pending: Tick | None = None
+        self._recorder = recorder
+        self._now = now
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to do."""
+        return self.refusal is not None or (self.memory is not None and self.memory.phase is Phase.DONE)
+
+    def stop(self) -> None:
+        """Hand the vehicle back at the next tick."""
+        self._stop = True
+        self._wake_at = -math.inf
+
+    def receive(self, batch: Sequence[bytes], now: float) -> None:
+        """Take in what arrived at ``now``. Several datagrams are taken in before the newest state is acted on."""
+        self._now = now
+        state: VehicleState | None = None
+        answer: Answer | None = None
+        status = self.telemetry.status
+        decode = self.decoder.stream if self._stream else self.decoder.datagram
+        for data in batch:
+            for frame in decode(data):
+                acknowledged = self.link.receive(frame, now)
+                if acknowledged is not None:
+                    answer = self._answer(*acknowledged)
+                if self.link.of_vehicle(frame):
+                    self._heard_at = now if self._heard_at is None else self._heard_at
+                    state = self.telemetry.receive(frame) or state
+        for _, text in self.link.texts:
+            self.notes.append(f"vehicle: {text}")
+        self.link.texts.clear()
+        if state is not None:
+            self.states += 1
+        if state is not None or answer is not None or self.telemetry.status is not status:
+            self._tick(state, answer, now)
+
+    def on_timer(self, now: float) -> None:
+        """Do what is due."""
+        self._now = now
+        self.link.on_timer(now)
+        if now >= self._wake_at:
+            self._tick(None, None, now)
+
+    def next_timer(self) -> float:
+        """When ``on_timer`` wants to be called."""
+        return min(self.link.next_timer(), self._wake_at)
+
+    def datagrams(self) -> list[bytes]:
+        """What is to be sent now, the setpoint first."""
+        outgoing, self.link.outgoing = self.link.outgoing, []
+        if self._recorder is not None:
+            for datagram in outgoing:
+                self._recorder.frame(self._now, datagram)
+        return outgoing
+
+    def sent(self, latency: float = math.nan) -> None:
+        """The datagrams are on their way, ``latency`` s after what caused them arrived. The rest of the tick's work."""
+        if self._pending is not None:
+            tick, self._pending = self._pending, None
+            if self._recorder is not None:
+                self._recorder.tick(tick.seen, tick.memory, tick.outcome, tick.now, latency)
+
+    def _record(self, raw: bytes) -> None:
+        if self._recorder is not None:
+            self._recorder.frame(self._now, raw)
+
+    def _tick(self, state: VehicleState | None, answer: Answer | None, now: float) -> None:
+        if self.done:
+            return
+        self._wake_at = now + pilot.WAKE_AFTER
+        if self.memory is None or self.plan is None:
+            self._prepare(state, now)
+        if self.memory is None or self.plan is None:
+            return
+        seen = Observation(state, self.telemetry.status, answer, self._stop)
+        self.memory, outcome = pilot.step(self.plan, self.memory, seen, now)
+        if outcome.setpoint is not None and self.link.identity is not None:
+            stamp = self.memory.state.t_boot if self.memory.state is not None else 0.0
+            target = (self.link.identity.system, wire.AUTOPILOT_COMPONENT)
+            self.link.send(*setpoints.encoded(outcome.setpoint, stamp, *target))
+        self.link.want(None if outcome.request is None else COMMANDS[outcome.request], now)
+        self._wake_at = pilot.wake_at(self.memory, now)
+        self.notes += outcome.notes
+        self.last = self._pending = Tick(seen, self.memory, outcome, now)
+
+    def _prepare(self, state: VehicleState | None, now: float) -> None:
+        """Make the plan once the vehicle is known and has said where it is."""
+        identity = self.link.identity
+        if identity is None:
+            return
+        if self._stop:
+            self.refusal = "stopped by the user before the flight began"
+            return
+        self.refusal = self._refusal(identity, now)
+        if self.refusal is not None or state is None:
+            return
+        if self.orders.level is OutputLevel.MOTORS and identity.direct_motors is None:
+            return
+        if self.telemetry.status.landed is None or self.telemetry.status.armed is None:
+            return
+        try:
+            origin = self._origin(state)
+            orders = self.orders
+            self.plan = prepared(orders.mission, orders.vehicle, orders.level, origin, orders.duration)
+        except CompanionError as error:
+            self.refusal = str(error)
+            return
+        self.memory = pilot.begin(now)
+        if self._recorder is not None:
+            self._recorder.begin(self.plan, now)
+
+    def _refusal(self, identity: wire.Identity, now: float) -> str | None:
+        if identity.autopilot != wire.AUTOPILOT_PX4:
+            return (
+                f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
+            )
+        if self.orders.level is not OutputLevel.MOTORS:
+            return None
+        if self.orders.vehicle.motors is not MotorInterface.DIRECT:
+            return (
+                f"vehicle {self.orders.vehicle.name} does not take motor commands (its file says motors: px4); "
+                "fly it with --output rates or attitude"
+            )
+        if identity.direct_motors is False:
+            return (
+                "the vehicle does not take motor commands: PX4 has had no SET_ACTUATOR_CONTROL_TARGET since 1.14; "
+                "fly it with --output rates or attitude"
+            )
+        heard = self._heard_at if self._heard_at is not None else now
+        if identity.direct_motors is None and now - heard > IDENTITY_WITHIN:
+            return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
+        return None
+
+    def _origin(self, state: VehicleState) -> Vec3:
+        origin = self.orders.mission.origin or self.orders.origin
+        if origin is Origin.LOCAL:
+            return (0.0, 0.0, 0.0)
+        if origin is Origin.TAKEOFF:
+            if self.telemetry.status.landed is not Landed.ON_GROUND:
+                message = "origin: takeoff needs a vehicle on the ground, this one flies; name another origin"
+                raise CompanionError(message)
+            return state.p_n
+        what = "home" if origin is Origin.HOME else "a place on the earth"
+        assert isinstance(origin, GlobalOrigin | Origin)
+        raise CompanionError(f"origin: {what} is not known to this vehicle")
+
+    def _answer(self, command: wire.Command, result: int) -> Answer | None:
+        for request, known in COMMANDS.items():
+            if known == command and result in range(len(Reply)):
+                return Answer(request, Reply(result))
+        return None

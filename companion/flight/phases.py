@@ -1,0 +1,158 @@
+"""The phases of a flight and the table of what follows what.
+
+Pre-emptions are looked at first: a fault, a human or a stop ends what is being done. Everything here is data; the tests
+walk it and the diagram in docs/ is printed from it.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+
+class Phase(enum.Enum):
+    """What the flight is doing."""
+
+    PREFLIGHT = "preflight"
+    ARM = "arm"
+    TAKE_OFF = "take off"
+    TAKE_OVER = "take over"
+    FOLLOW = "follow"
+    HAND_BACK = "hand back"
+    LAND = "land"
+    DISARM = "disarm"
+    ABORT = "abort"
+    DONE = "done"
+
+
+class Event(enum.Enum):
+    """What may happen."""
+
+    READY_ON_GROUND = "ready on the ground"
+    READY_IN_AIR = "ready in the air"
+    ARMED = "armed"
+    IN_AIR = "in the air"
+    IN_OFFBOARD = "in offboard"
+    FINISHED = "finished"
+    HELD = "held in the air"
+    HELD_TO_LAND = "held, to be landed"
+    DOWN = "on the ground"
+    DISARMED = "disarmed"
+    # pre-empting
+    STOP = "told to stop"
+    TAKEN_OVER = "mode changed by another"
+    LOST_POWER = "disarmed by another"
+    STALE = "state is stale"
+    LAW_FAILED = "law not defined"
+    REFUSED = "refused by the vehicle"
+    TIMED_OUT = "took too long"
+
+
+class Request(enum.Enum):
+    """What a phase asks of the vehicle until telemetry confirms it."""
+
+    ARM = "arm"
+    DISARM = "disarm"
+    TAKE_OFF = "take off"
+    OFFBOARD = "offboard mode"
+    HOLD = "hold mode"
+    LAND = "land"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A phase: what it asks for, how long it may take (s; None: as long as it wants), whether it sends setpoints."""
+
+    request: Request | None
+    time_out: float | None
+    steers: bool
+
+
+PHASES: dict[Phase, Row] = {
+    Phase.PREFLIGHT: Row(None, 60.0, False),
+    Phase.ARM: Row(Request.ARM, 10.0, False),
+    Phase.TAKE_OFF: Row(Request.TAKE_OFF, 40.0, False),
+    Phase.TAKE_OVER: Row(Request.OFFBOARD, 5.0, True),
+    Phase.FOLLOW: Row(None, None, True),
+    Phase.HAND_BACK: Row(Request.HOLD, 5.0, True),
+    Phase.LAND: Row(Request.LAND, 180.0, False),
+    Phase.DISARM: Row(Request.DISARM, 10.0, False),
+    Phase.ABORT: Row(Request.HOLD, 5.0, True),
+    Phase.DONE: Row(None, None, False),
+}
+
+TRANSITIONS: dict[tuple[Phase, Event], Phase] = {
+    (Phase.PREFLIGHT, Event.READY_ON_GROUND): Phase.ARM,
+    (Phase.PREFLIGHT, Event.READY_IN_AIR): Phase.TAKE_OVER,
+    (Phase.ARM, Event.ARMED): Phase.TAKE_OFF,
+    (Phase.TAKE_OFF, Event.IN_AIR): Phase.TAKE_OVER,
+    (Phase.TAKE_OVER, Event.IN_OFFBOARD): Phase.FOLLOW,
+    (Phase.FOLLOW, Event.FINISHED): Phase.HAND_BACK,
+    (Phase.HAND_BACK, Event.HELD): Phase.DONE,
+    (Phase.HAND_BACK, Event.HELD_TO_LAND): Phase.LAND,
+    (Phase.LAND, Event.DOWN): Phase.DISARM,
+    (Phase.DISARM, Event.DISARMED): Phase.DONE,
+    (Phase.ABORT, Event.HELD): Phase.DONE,
+    (Phase.ABORT, Event.HELD_TO_LAND): Phase.DONE,
+}
+
+PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
+    (Event.LOST_POWER, dict.fromkeys((Phase.TAKE_OFF, Phase.TAKE_OVER, Phase.FOLLOW, Phase.HAND_BACK, Phase.ABORT),
+                                     Phase.DONE)),
+    (Event.TAKEN_OVER, dict.fromkeys((Phase.TAKE_OFF, Phase.FOLLOW, Phase.LAND), Phase.DONE)),
+    (Event.STALE, dict.fromkeys((Phase.TAKE_OVER, Phase.FOLLOW, Phase.HAND_BACK), Phase.ABORT)),
+    (Event.LAW_FAILED, dict.fromkeys((Phase.TAKE_OVER, Phase.FOLLOW, Phase.HAND_BACK), Phase.ABORT)),
+    (Event.STOP, {
+        Phase.PREFLIGHT: Phase.DONE,
+        Phase.ARM: Phase.DISARM,
+        Phase.TAKE_OFF: Phase.HAND_BACK,
+        Phase.TAKE_OVER: Phase.HAND_BACK,
+        Phase.FOLLOW: Phase.HAND_BACK,
+    }),
+    (Event.REFUSED, {
+        Phase.ARM: Phase.DONE,
+        Phase.TAKE_OFF: Phase.DISARM,
+        Phase.TAKE_OVER: Phase.ABORT,
+    }),
+    (Event.TIMED_OUT, {
+        Phase.PREFLIGHT: Phase.DONE,
+        Phase.ARM: Phase.DISARM,
+        Phase.TAKE_OFF: Phase.ABORT,
+        Phase.TAKE_OVER: Phase.ABORT,
+        Phase.HAND_BACK: Phase.ABORT,
+        Phase.LAND: Phase.DONE,
+        Phase.DISARM: Phase.DONE,
+        Phase.ABORT: Phase.DONE,
+    }),
+)  # fmt: skip
+"""The worst first: of several events at once, the first that knows the phase decides."""
+
+
+def _rows() -> dict[Phase, tuple[tuple[Event, Phase], ...]]:
+    rows: dict[Phase, list[tuple[Event, Phase]]] = {phase: [] for phase in Phase}
+    for event, by_phase in PRE_EMPTIONS:
+        for phase, following in by_phase.items():
+            rows[phase].append((event, following))
+    for (phase, event), following in TRANSITIONS.items():
+        rows[phase].append((event, following))
+    return {phase: tuple(found) for phase, found in rows.items()}
+
+
+EXITS = _rows()
+"""For each phase its events, the most urgent first, and the phase each leads to."""
+
+
+def diagram() -> str:
+    """The table as a Mermaid state diagram, for docs/."""
+    lines = ["stateDiagram-v2", "    [*] --> preflight"]
+
+    def name(phase: Phase) -> str:
+        return phase.value.replace(" ", "_")
+
+    for (phase, event), following_phase in TRANSITIONS.items():
+        lines.append(f"    {name(phase)} --> {name(following_phase)}: {event.value}")
+    for event, rows in PRE_EMPTIONS:
+        for phase, following_phase in rows.items():
+            lines.append(f"    {name(phase)} --> {name(following_phase)}: {event.value} (!)")
+    lines.append("    done --> [*]")
+    return "\n".join(lines) + "\n"

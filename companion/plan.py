@@ -1,0 +1,72 @@
+"""A mission made ready to fly: its law recorded for one vehicle at one output level, in the vehicle's own place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from companion.frames import Vec3
+from companion.law.feedback import Bounds
+from companion.law.flight import implicit_law, model_of
+from companion.law.gains import Level, default_gains
+from companion.mission import Mission
+from companion.paths.arc import ArcTable
+from companion.steering.motors import motor_steering
+from companion.steering.steering import Steering
+from companion.vehicle import OutputLevel, Vehicle
+
+RAMP_ACCELERATION = 1.5
+"""m/s^2, the steepest rise of the speed at the start."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is to be flown.
+
+    ``mission``: placed in the vehicle's local frame; ``table``: its curve; ``steering``: the law for ``vehicle`` at an
+    output ``level``. ``direction``: +1 along mu, -1 against. ``ramp_time``: s until full speed, 0 for none. ``laps``,
+    ``duration`` (s): when following is finished; None until told.
+    """
+
+    mission: Mission
+    vehicle: Vehicle
+    level: OutputLevel
+    steering: Steering
+    table: ArcTable
+    direction: float
+    ramp_time: float
+    laps: float | None
+    duration: float | None
+
+
+def law_level(level: OutputLevel) -> Level:
+    """The level of the law that an output level needs: attitude is rates, sent another way."""
+    return Level.MOTORS if level is OutputLevel.MOTORS else Level.RATES
+
+
+def prepared(
+    mission: Mission, vehicle: Vehicle, level: OutputLevel, origin_n: Vec3, duration: float | None = None
+) -> Plan:
+    """The plan for a mission whose origin lies at ``origin_n`` of the vehicle's local frame.
+
+    CompanionError: it cannot be flown. Takes tens of milliseconds: do it before the flight.
+    """
+    placed = mission.placed(origin_n)
+    table = placed.path.table
+    speeds = [placed.speed_at((float(x), float(y), float(z))) for x, y, z in table.samples(200)[1]]
+    direction = 1.0 if speeds[0] > 0.0 else -1.0
+    gains = placed.gains if placed.gains is not None else default_gains(law_level(level))
+    bounds = None if vehicle.limits is None else Bounds()
+    law = implicit_law(placed.specification(direction), law_level(level), model_of(vehicle), gains, bounds)
+    # a smooth step of the speed is steepest in its middle, by 1.875
+    ramp_time = 0.0 if vehicle.limits is None else 1.875 * max(map(abs, speeds)) / RAMP_ACCELERATION
+    return Plan(
+        mission=placed,
+        vehicle=vehicle,
+        level=level,
+        steering=motor_steering(law, vehicle),
+        table=table,
+        direction=direction,
+        ramp_time=ramp_time,
+        laps=placed.laps,
+        duration=duration,
+    )

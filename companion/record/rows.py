@@ -1,0 +1,193 @@
+"""A tick of the pilot as a row of the flight table, and its first part back as what the pilot saw."""
+
+from __future__ import annotations
+
+import enum
+import math
+from typing import Any, TypeVar
+
+from companion.flight.guards import Answer, Reply
+from companion.flight.phases import Phase, Request
+from companion.frames import tilt
+from companion.pilot import Memory, Observation, Outcome, yaw_error
+from companion.record.table import Column, Row
+from companion.vehicle import (
+    AttitudeSetpoint,
+    Landed,
+    Mode,
+    MotorSetpoint,
+    RateSetpoint,
+    Setpoint,
+    VehicleState,
+    VehicleStatus,
+)
+
+NONE = -1
+
+SEEN = (
+    Column("now", "d", "s, our monotonic clock"),
+    Column("fresh", "b", "1: a state arrived with this tick; the columns t_boot to resets are it"),
+    Column("t_boot", "d", "s, the vehicle's stamp of the state"),
+    *(Column(name, "d", "m, position in the vehicle's local frame") for name in ("north", "east", "down")),
+    *(Column(name, "d", "m/s, velocity") for name in ("v_north", "v_east", "v_down")),
+    *(Column(name, "d", "attitude quaternion, body to world") for name in ("q_w", "q_x", "q_y", "q_z")),
+    *(Column(name, "d", "rad/s, body rates") for name in ("p", "q", "r")),
+    Column("resets", "i", "the estimator's reset counter"),
+    Column("armed", "b", "1 armed, 0 disarmed, -1 not said"),
+    Column("mode", "b", "index of vehicle.Mode, -1 not said"),
+    Column("intended", "b", "index of vehicle.Mode, the user's intention, -1 not said"),
+    Column("landed", "b", "index of vehicle.Landed, -1 not said"),
+    Column("ready", "b", "1 would accept arming, 0 not, -1 not said"),
+    Column("failsafe", "b", "1 in a failsafe, 0 not, -1 not said"),
+    Column("answer_to", "b", "index of phases.Request that was answered, -1 none"),
+    Column("answer", "b", "index of guards.Reply, -1 none"),
+    Column("stop", "b", "1: told to stop"),
+)
+
+DONE = (
+    Column("phase", "b", "index of phases.Phase after the tick"),
+    Column("request", "b", "index of phases.Request that stands, -1 none"),
+    Column("setpoint", "b", "0 none, 1 motors, 2 rates, 3 attitude"),
+    *(
+        Column(f"sent_{i}", "d", "motors: commands; rates: p, q, r (rad/s), thrust; attitude: q, thrust")
+        for i in range(5)
+    ),
+)
+
+TOLD = (
+    Column("zeta", "d", "N, the thrust the law integrates"),
+    Column("zeta_dot", "d", "N/s"),
+    Column("thrust", "d", "N, the collective thrust sent"),
+    Column("saturated", "b", "1: a limit was met"),
+    Column("ramp", "d", "factor on the mission's speed"),
+    Column("s", "d", "m, arc length of the nearest point of the path"),
+    Column("travelled", "d", "m along the path since following began"),
+    Column("path_error", "d", "m, distance to the path"),
+    Column("speed", "d", "m/s along the path, mu . V"),
+    Column("alpha", "d", "m/s, the mission's speed here"),
+    Column("yaw", "d", "rad, heading"),
+    Column("beta", "d", "rad, the mission's heading here"),
+    Column("yaw_error", "d", "rad, wrapped"),
+    Column("tilt", "d", "rad, lean of the thrust axis"),
+    Column("latency", "f", "s from the arrival of the state to the return of the setpoint's send"),
+)
+
+COLUMNS = SEEN + DONE + TOLD
+
+E = TypeVar("E", bound=enum.Enum)
+
+
+def _index(member: enum.Enum | None) -> int:
+    return NONE if member is None else _INDICES[type(member)][member]
+
+
+_ENUMS: tuple[type[enum.Enum], ...] = (Mode, Landed, Request, Reply, Phase)
+_INDICES: dict[type[enum.Enum], dict[enum.Enum, int]] = {
+    kind: {member: index for index, member in enumerate(kind)} for kind in _ENUMS
+}
+
+
+def _member(kind: type[E], index: int) -> E | None:
+    return None if index == NONE else list(kind)[index]
+
+
+def _flag(value: bool | None) -> int:
+    return NONE if value is None else int(value)
+
+
+def _unflag(value: int) -> bool | None:
+    return None if value == NONE else bool(value)
+
+
+_NO_STATE = (0, *(math.nan,) * 14, NONE)
+_NOT_SENT = (math.nan,) * 5
+
+
+def seen_part(observation: Observation, now: float) -> Row:
+    """The columns ``SEEN``."""
+    state, status, answer = observation.state, observation.status, observation.answer
+    if state is None:
+        told: Row = _NO_STATE
+    else:
+        told = (1, state.t_boot, *state.p_n, *state.v_n, *state.q_nb, *state.w_b, state.resets)
+    return (
+        now,
+        *told,
+        _flag(status.armed),
+        _index(status.mode),
+        _index(status.intended),
+        _index(status.landed),
+        _flag(status.ready),
+        _flag(status.failsafe),
+        NONE if answer is None else _index(answer.request),
+        NONE if answer is None else _index(answer.reply),
+        int(observation.stop),
+    )
+
+
+def sent_part(setpoint: Setpoint | None) -> tuple[int, float, float, float, float, float]:
+    """The columns ``setpoint`` and ``sent_0`` to ``sent_4``."""
+    if isinstance(setpoint, MotorSetpoint):
+        a, b, c, d = setpoint.commands
+        return (1, a, b, c, d, math.nan)
+    if isinstance(setpoint, RateSetpoint):
+        return (2, *setpoint.rates_b, setpoint.thrust, math.nan)
+    if isinstance(setpoint, AttitudeSetpoint):
+        return (3, *setpoint.q_nb, setpoint.thrust)
+    return (0, *_NOT_SENT)
+
+
+def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> Row:
+    """One row of the flight table."""
+    steered, progress, state = outcome.steered, memory.progress, memory.state
+    return (
+        *seen_part(observation, now),
+        _index(memory.phase),
+        _index(outcome.request),
+        *sent_part(outcome.setpoint),
+        *(
+            (math.nan,) * 3 + (0,)
+            if steered is None
+            else (steered.thrust.zeta, steered.thrust.zeta_dot, steered.thrust_n, int(steered.saturated))
+        ),
+        outcome.ramp.factor,
+        *((math.nan,) * 3 if progress is None else (progress.s, progress.travelled, progress.path_error)),
+        *(
+            (math.nan,) * 5
+            if steered is None
+            else (
+                steered.command.speed,
+                steered.command.alpha,
+                steered.command.yaw,
+                steered.command.beta,
+                yaw_error(steered),
+            )
+        ),
+        math.nan if state is None else tilt(state.r_nb),
+        latency,
+    )
+
+
+def seen_again(row: Any) -> tuple[Observation, float]:
+    """What the pilot saw at a row of the table, and when."""
+    state = None
+    if row["fresh"]:
+        state = VehicleState(
+            t_boot=float(row["t_boot"]),
+            p_n=(float(row["north"]), float(row["east"]), float(row["down"])),
+            v_n=(float(row["v_north"]), float(row["v_east"]), float(row["v_down"])),
+            q_nb=(float(row["q_w"]), float(row["q_x"]), float(row["q_y"]), float(row["q_z"])),
+            w_b=(float(row["p"]), float(row["q"]), float(row["r"])),
+            resets=int(row["resets"]),
+        )
+    status = VehicleStatus(
+        armed=_unflag(row["armed"]),
+        mode=_member(Mode, row["mode"]),
+        intended=_member(Mode, row["intended"]),
+        landed=_member(Landed, row["landed"]),
+        ready=_unflag(row["ready"]),
+        failsafe=_unflag(row["failsafe"]),
+    )
+    request, reply = _member(Request, row["answer_to"]), _member(Reply, row["answer"])
+    answer = None if request is None or reply is None else Answer(request, reply)
+    return Observation(state, status, answer, bool(row["stop"])), float(row["now"])
