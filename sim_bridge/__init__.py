@@ -14,6 +14,9 @@ The stand-in PX4
     autopilot/    arming, modes, offboard, landing; streams, commands, links
 The whole
     bridge        datagrams and steps in, datagrams out; no socket, no clock
+    server        the bridge on UDP, in real time
+    truth_file    the true state of every step, for a report
+    __main__      the command sim-bridge
 
 Of ``companion`` only frames, vehicle, world, geodesy and mavlink may be imported here, and never the law or the
 allocation: plant and controller are two derivations, so that a sign error cannot cancel.

@@ -23,8 +23,11 @@ CAPABILITIES = 0xE8FF
 SET_ACTUATOR_TARGET = 0x0400
 """MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET: this autopilot takes motor commands."""
 VERSION = 1 << 24 | 19 << 16  # 1.19.0, development
-SENSORS_PRESENT, SENSORS_ENABLED = 0x0300C02F, 0x0301C02F
-SENSORS_HEALTHY, PREARM_CHECK = 0x0320C83F, 0x10000000
+SENSORS_PRESENT, SENSORS_ENABLED, SENSORS_HEALTHY = 0x0300C02F, 0x0301C02F, 0x0320C83F
+"""MAV_SYS_STATUS_SENSOR bits, as PX4's simulation tells them."""
+WITHOUT_POSITION = ~0x4020
+"""Without position control and GPS: before the estimator has settled."""
+PREARM_CHECK = 0x10000000
 FIELD_N = (0.21, 0.01, 0.43)
 """gauss, the earth's magnetic field at the default home."""
 STANDARD_MODES = {
@@ -165,11 +168,11 @@ def current_mode(a: Autopilot) -> Values:
 
 def sys_status(a: Autopilot) -> Values:
     """SYS_STATUS."""
-    health = SENSORS_HEALTHY | (PREARM_CHECK if a.commander.can_arm(a.t) else 0)
+    settled = -1 if a.commander.is_ready(a.t) else WITHOUT_POSITION
     return message("SYS_STATUS").values(
-        onboard_control_sensors_present=SENSORS_PRESENT,
-        onboard_control_sensors_enabled=SENSORS_ENABLED,
-        onboard_control_sensors_health=health,
+        onboard_control_sensors_present=SENSORS_PRESENT & settled,
+        onboard_control_sensors_enabled=SENSORS_ENABLED & settled,
+        onboard_control_sensors_health=SENSORS_HEALTHY & settled | (PREARM_CHECK if a.commander.can_arm(a.t) else 0),
         load=120,
         voltage_battery=16200,
         current_battery=-1,

@@ -37,6 +37,7 @@ class Cascade:
         self.thrust = 0.0
         self.rates_wanted: RatesWanted = (0.0, 0.0, 0.0)
         self.commands: Four = STOPPED
+        self._by_hand = False
 
     def begin(self, now: Estimate, disturbance: Vec3 = (0.0, 0.0, 0.0)) -> None:
         """Begin afresh; ``disturbance``: the acceleration (m/s^2, NED) it takes to hold against the wind."""
@@ -63,14 +64,17 @@ class Cascade:
         return self.commands
 
     def fly_motors(self, now: Estimate, commands: Four) -> Four:
-        """Motor commands as they come."""
-        self._rates.reset(now.w_b)
+        """Motor commands as they come, in the rotors' units."""
+        self._by_hand = True
         self.thrust = sum(commands) / 4.0
         self.commands = commands
         return commands
 
     def fly_rates(self, now: Estimate, rates: RatesWanted, thrust: float, on_ground: bool = False) -> Four:
         """Body rates (rad/s) and thrust."""
+        if self._by_hand:  # the loop has not seen the steps in which the motors were told directly
+            self._rates.reset(now.w_b)
+            self._by_hand = False
         torque = self._rates.update(now.w_b, rates, integrate=not on_ground)
         self.commands, self._rates.lost = self._mixer.mix(torque, thrust)
         self.rates_wanted = rates

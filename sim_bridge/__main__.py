@@ -1,0 +1,141 @@
+"""The command ``sim-bridge``: a vehicle on UDP, in real time."""
+
+from __future__ import annotations
+
+import contextlib
+import enum
+import signal
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import FrameType
+from typing import Annotated
+
+import typer
+
+from companion.config.document import parse
+from companion.config.faults import ConfigError, Fault
+from companion.config.vehicle import load_vehicle
+from companion.config.world import load_world, start_from
+from companion.vehicle import CompanionError
+from companion.world import Start
+from sim_bridge.bridge import HOVER, Bridge
+from sim_bridge.server import COMPANION, GROUND_STATION, EndpointError, Server, endpoint_of
+from sim_bridge.truth_file import TruthFile
+
+
+class Motors(enum.Enum):
+    """Who mixes."""
+
+    DIRECT = "direct"
+
+
+def say(line: str) -> None:
+    """A line for the person at the terminal."""
+    print(f"sim-bridge: {line}", file=sys.stderr, flush=True)
+
+
+def fly(
+    vehicle: Annotated[str, typer.Option(help="A name in configs/vehicles, or a vehicle file.")] = "x500",
+    world: Annotated[str, typer.Option(help="A name in configs/worlds, or a world file.")] = "ideal",
+    connect: Annotated[
+        str | None,
+        typer.Option(help="The companion: udpin://HOST:PORT or udpout://HOST:PORT; default as PX4, 14580 to 14540."),
+    ] = None,
+    ground_station: Annotated[
+        str | None, typer.Option(help="The ground station likewise, or none; default as PX4, 18570 to 14550.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of every chance in the world.")] = 0,
+    speed: Annotated[float, typer.Option(min=0.01, max=100.0, help="Plant seconds a second.")] = 1.0,
+    motors: Annotated[
+        Motors | None, typer.Option(help="direct: SET_ACTUATOR_CONTROL_TARGET carries motor commands.")
+    ] = None,
+    landed: Annotated[
+        bool, typer.Option("--landed/--hover", help="Start on the ground at the origin, or in a hover 10 m above it.")
+    ] = True,
+    start: Annotated[
+        str | None,
+        typer.Option(help='Start in the air: JSON {"position_n": [..], "velocity_n", "q_nb", "rates_b", "held"}.'),
+    ] = None,
+    truth: Annotated[Path | None, typer.Option(help="Write the true state of every step to this .npy file.")] = None,
+) -> None:
+    """A quadrotor made of software that speaks MAVLink as PX4 does. Ctrl-C ends it."""
+    try:
+        raise typer.Exit(_run(vehicle, world, connect, ground_station, seed, speed, motors, landed, start, truth))
+    except (CompanionError, ValueError, OSError) as error:
+        print(error, file=sys.stderr)
+        raise typer.Exit(2) from None
+
+
+def _run(
+    vehicle: str, world: str, connect: str | None, ground_station: str | None, seed: int, speed: float,
+    motors: Motors | None, landed: bool, start: str | None, truth: Path | None,
+) -> int:  # fmt: skip
+    """Fly until a signal comes; the exit code."""
+    faults: list[Fault] = []
+    machine = surroundings = None
+    begins: Start | None = None if landed else HOVER
+    endpoints = [COMPANION, GROUND_STATION]
+    with _collecting(faults):
+        machine = load_vehicle(vehicle)
+    with _collecting(faults):
+        surroundings = load_world(world)
+    with _collecting(faults):
+        if start is not None:
+            begins = start_from(parse(start, "--start"))
+    with _collecting(faults, "--connect"):
+        if connect is not None:
+            endpoints[0] = endpoint_of(connect)
+    with _collecting(faults, "--ground-station"):
+        if ground_station == "none":
+            endpoints.pop()
+        elif ground_station is not None:
+            endpoints[1] = endpoint_of(ground_station)
+    if machine is None or surroundings is None or faults:
+        raise ConfigError(faults)
+    bridge = Bridge(
+        machine, surroundings, seed=seed, direct=motors is Motors.DIRECT, start=begins, landed=begins is None,
+        endpoints=len(endpoints),
+    )  # fmt: skip
+    mixing = "motor commands taken" if bridge.direct else "motors mixed as in PX4"
+    say(f"{machine.name} in {surroundings.name}, {round(1.0 / bridge.step_s)} steps a second, {mixing}")
+    with contextlib.ExitStack() as stack:
+        record = None
+        if truth is not None:
+            record = stack.enter_context(TruthFile(truth))
+        after = None if record is None else lambda: record.append(bridge.truth, bridge.autopilot.commands)
+        server = Server(bridge, endpoints, speed=speed, log=say, after_step=after)
+        stack.callback(server.close)
+        received: list[int] = []
+
+        def stop(number: int, frame: FrameType | None) -> None:
+            received.append(number)
+
+        signal.signal(signal.SIGINT, stop)
+        signal.signal(signal.SIGTERM, stop)
+        server.run(lambda: bool(received))
+    for name, counters in zip(("companion", "ground station"), bridge.counters, strict=False):
+        say(
+            f"{name}: {counters.frames} messages, {counters.bad_crc} damaged, {counters.garbage_bytes} bytes of garbage"
+        )
+    return 130 if received[0] == signal.SIGINT else 0
+
+
+@contextlib.contextmanager
+def _collecting(faults: list[Fault], option: str = "") -> Iterator[None]:
+    """Keep the faults of one input, so that those of all are shown at once."""
+    try:
+        yield
+    except ConfigError as error:
+        faults.extend(error.faults)
+    except EndpointError as error:
+        faults.append(Fault(option, 1, "", str(error)))
+
+
+def main() -> None:
+    """The console entry point."""
+    typer.run(fly)
+
+
+if __name__ == "__main__":
+    main()

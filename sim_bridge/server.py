@@ -1,0 +1,187 @@
+"""The bridge in real time: UDP sockets and the clock.
+
+One thread. Between two steps it waits on the sockets, and a datagram is dealt with when it comes, not at the next step.
+Steps are due at fixed times. After a late one the next follow more quickly, but never at more than twice the pace, so
+that whoever controls the vehicle still has time to answer each; and when the machine cannot keep up, the plant's time
+slips behind the wall's. It never runs ahead.
+"""
+
+from __future__ import annotations
+
+import gc
+import select
+import socket
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from urllib.parse import urlsplit
+
+from companion.vehicle import CompanionError
+from sim_bridge.bridge import Bridge
+
+Address = tuple[str, int]
+
+SLIP_BEYOND = 0.1
+"""s behind from which the plant's time slips instead of being caught up."""
+RECEIVE_BUFFER = 1 << 20
+DATAGRAM_MAX = 65535
+LOOPBACK = "127.0.0.1"
+
+
+class EndpointError(CompanionError):
+    """An endpoint that cannot be used: what is wrong, what was expected."""
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """Where the plant listens, and whom it talks to before anybody has been heard. The first one heard is the peer."""
+
+    bind: Address
+    peer: Address | None
+
+
+COMPANION = Endpoint((LOOPBACK, 14580), (LOOPBACK, 14540))
+GROUND_STATION = Endpoint((LOOPBACK, 18570), (LOOPBACK, 14550))
+
+
+def endpoint_of(url: str) -> Endpoint:
+    """The endpoint of ``udpin://HOST:PORT`` or ``udpout://HOST:PORT``. EndpointError: it is neither."""
+    expected = "expected udpin://HOST:PORT or udpout://HOST:PORT"
+    try:
+        parts = urlsplit(url)
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        raise EndpointError(f"{url!r} has no port between 1 and 65535; {expected}") from None
+    if parts.scheme not in ("udpin", "udpout"):
+        raise EndpointError(f"{url!r} is no connection the plant can make; {expected}")
+    if not host or not port or parts.path.strip("/") or parts.query:
+        raise EndpointError(f"{url!r} names no host and port; {expected}")
+    try:
+        host = socket.gethostbyname(host)
+    except OSError:
+        raise EndpointError(f"{url!r}: the host is not known; {expected}") from None
+    if parts.scheme == "udpin":
+        return Endpoint((host, port), None)
+    return Endpoint((LOOPBACK if host.startswith("127.") else "0.0.0.0", 0), (host, port))
+
+
+class Server:
+    """Runs a bridge on sockets, one an endpoint. EndpointError: a port is taken; ValueError: not as many as it has.
+
+    ``speed``: plant seconds a second. ``after_step`` is called after each step. ``log`` takes lines for a person.
+    """
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        endpoints: Sequence[Endpoint],
+        *,
+        speed: float = 1.0,
+        log: Callable[[str], None],
+        after_step: Callable[[], None] | None = None,
+    ) -> None:
+        if len(endpoints) != len(bridge.links):
+            raise ValueError(f"{len(endpoints)} endpoints for a bridge with {len(bridge.links)}")
+        self._bridge = bridge
+        self._period = bridge.step_s / speed
+        self._log = log
+        self._after_step = after_step
+        self._sockets: list[socket.socket] = []
+        self._peers = [endpoint.peer for endpoint in endpoints]
+        self._heard = [False] * len(endpoints)
+        self._slipped = 0.0
+        self._said_slipped = 0.0
+        for endpoint in endpoints:
+            try:
+                self._sockets.append(_bound(endpoint.bind))
+            except OSError as error:
+                self.close()
+                host, port = endpoint.bind
+                raise EndpointError(f"UDP port {port} on {host} cannot be opened: {error.strerror}") from None
+        for name, bound, endpoint in zip(("companion", "ground station"), self._sockets, endpoints, strict=False):
+            to = "whoever calls" if endpoint.peer is None else "{}:{}".format(*endpoint.peer)
+            log(f"{name}: from {':'.join(map(str, bound.getsockname()))} to {to}")
+
+    def run(self, stopped: Callable[[], bool]) -> None:
+        """Step until ``stopped()`` says so."""
+        gc.collect()
+        gc.freeze()  # what has been imported need never be looked at again, in the middle of a step
+        due = earliest = time.monotonic()
+        while not stopped():
+            due += self._period
+            self._wait(max(due, earliest))
+            now = time.monotonic()
+            if now - due > SLIP_BEYOND:
+                self._slip(now - due)
+                due = now
+            earliest = now + 0.5 * self._period
+            self._bridge.step()
+            self._send()
+            if self._after_step is not None:
+                self._after_step()
+            if self._bridge.log:
+                self._report()
+
+    def close(self) -> None:
+        """Close the sockets."""
+        for each in self._sockets:
+            each.close()
+
+    def _wait(self, due: float) -> None:
+        """Receive until ``due``, at least once."""
+        left = due - time.monotonic()
+        while True:
+            ready, _, _ = select.select(self._sockets, (), (), max(0.0, left))
+            for each in ready:
+                self._receive(self._sockets.index(each))
+            left = due - time.monotonic()
+            if left <= 0.0:
+                return
+
+    def _receive(self, endpoint: int) -> None:
+        try:
+            datagram, address = self._sockets[endpoint].recvfrom(DATAGRAM_MAX)
+        except OSError:  # what an unreachable peer leaves behind
+            return
+        if not self._heard[endpoint]:  # as in PX4, the first one to call is the partner from then on
+            self._heard[endpoint] = True
+            if self._peers[endpoint] != address:
+                self._peers[endpoint] = address
+            self._log(f"{self._bridge.now:.2f} s: heard from {address[0]}:{address[1]}")
+        self._bridge.receive(datagram, endpoint)
+        self._send()
+
+    def _send(self) -> None:
+        for endpoint, datagram in self._bridge.datagrams():
+            peer = self._peers[endpoint]
+            if peer is not None:
+                try:
+                    self._sockets[endpoint].sendto(datagram, peer)
+                except OSError:  # nobody there, or the buffer is full: UDP may lose it
+                    continue
+
+    def _slip(self, behind: float) -> None:
+        self._slipped += behind
+        now = time.monotonic()
+        if now - self._said_slipped > 5.0:
+            self._said_slipped = now
+            self._log(
+                f"{self._bridge.now:.2f} s: the machine is busy; the plant is {self._slipped:.2f} s behind in all"
+            )
+
+    def _report(self) -> None:
+        for line in self._bridge.log:
+            self._log(f"{self._bridge.now:.2f} s: {line}")
+        self._bridge.log.clear()
+
+
+def _bound(address: Address) -> socket.socket:
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        made.setblocking(False)
+        made.bind(address)
+    except OSError:
+        made.close()
+        raise
+    return made

@@ -1,0 +1,78 @@
+"""The true state of every step in a NumPy file that can be read at any time, even if the plant was killed.
+
+The rows go out in blocks; after each block the header is rewritten with their number. ``numpy.load`` reads it.
+"""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from types import TracebackType
+
+from sim_bridge.plant import Truth
+from sim_bridge.rotors import Four
+
+COLUMNS = (("t_boot", 1), ("p_n", 3), ("v_n", 3), ("q_nb", 4), ("w_b", 3), ("rotor_thrusts", 4), ("commands", 4))
+"""Name and width: s, m, m/s, body to world, rad/s, N, the rotors' own units."""
+HEADER_SIZE = 512
+BLOCK = 250
+_ROW = struct.Struct(f"<{sum(width for _, width in COLUMNS)}d")
+
+
+def header(rows: int) -> bytes:
+    """The header of a file with ``rows`` rows, always HEADER_SIZE bytes (NumPy format 1.0)."""
+    fields = ", ".join(
+        f"('{name}', '<f8')" if width == 1 else f"('{name}', '<f8', ({width},))" for name, width in COLUMNS
+    )
+    text = f"{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}"
+    start = b"\x93NUMPY\x01\x00" + struct.pack("<H", HEADER_SIZE - 10)
+    return start + text.ljust(HEADER_SIZE - 11).encode("ascii") + b"\n"
+
+
+class TruthFile:
+    """Writes one. A context manager; OSError where the file cannot be written."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("wb")
+        self._file.write(header(0))
+        self._file.flush()
+        self._rows = 0
+        self._block: list[bytes] = []
+        self._last = -1.0
+
+    def append(self, truth: Truth, commands: Four) -> None:
+        """The state after a step and the commands that led to it. Nothing is added while the vehicle's clock stands."""
+        if truth.t_boot == self._last:
+            return
+        self._last = truth.t_boot
+        self._block.append(
+            _ROW.pack(
+                truth.t_boot, *truth.p_n, *truth.v_n, *truth.q_nb, *truth.w_b, *truth.rotor_thrusts, *commands
+            )
+        )  # fmt: skip
+        if len(self._block) >= BLOCK:
+            self.flush()
+
+    def flush(self) -> None:
+        """Bring everything to the file: the rows first, then the header that counts them."""
+        self._file.write(b"".join(self._block))
+        self._file.flush()
+        self._rows += len(self._block)
+        self._block.clear()
+        self._file.seek(0)
+        self._file.write(header(self._rows))
+        self._file.flush()
+        self._file.seek(0, 2)
+
+    def close(self) -> None:
+        """Write what is left and close."""
+        self.flush()
+        self._file.close()
+
+    def __enter__(self) -> TruthFile:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
