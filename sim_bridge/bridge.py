@@ -23,7 +23,7 @@ from sim_bridge.autopilot.link import COMPONENT, SYSTEM, Link
 from sim_bridge.autopilot.messages import Values
 from sim_bridge.autopilot.streams import GROUND_STATION, ONBOARD, Boot, Streams
 from sim_bridge.control.position import Target
-from sim_bridge.plant import Plant, Truth
+from sim_bridge.plant import OFF, Plant, Truth
 
 FAST_STATE = 250.0
 """Hz. A vehicle that is asked for its state more often than this steps at 1 ms instead of PX4's 4 ms."""
@@ -38,6 +38,8 @@ class Bridge:
     ``direct``: it takes SET_ACTUATOR_CONTROL_TARGET as motor commands, as it also does if its vehicle file says so.
     ``endpoints``: 1 leaves the ground station out. ``seed``: of every chance in the world. ValueError: the vehicle
     cannot be flown. Nothing received ever raises.
+
+    ``log``: lines for a person, to be taken out by whoever shows them.
     """
 
     def __init__(
@@ -80,6 +82,7 @@ class Bridge:
         self._arriving: deque[tuple[int, int, bytes]] = deque()
         self._leaving: deque[tuple[int, int, bytes]] = deque()
         self.log: list[str] = []
+        self._noted = ("", 0.0)
         self._logged = self.autopilot.commander.mode
 
     @property
@@ -145,7 +148,7 @@ class Bridge:
         vehicle = self.plant.vehicle
         at_rest = v_n == w_b == (0.0, 0.0, 0.0) and q_nb[1] == q_nb[2] == 0.0 and not start.held
         disturbance = _against(world.wind_n, vehicle.drag, vehicle.gravity)
-        self.plant.fly(p_n, v_n, q_nb, w_b, (0.0, 0.0, 0.0, 0.0))
+        self.plant.fly(p_n, v_n, q_nb, w_b, OFF)
         heading = euler_from_rotation(rotation_matrix(q_nb))[0]
         target = Target(p_n, (0.0, 0.0, 0.0), heading)
         attitude, commands = self.autopilot.cascade.trim(
@@ -156,12 +159,15 @@ class Bridge:
         self.autopilot.begin_in_flight(self._observe(self.plant.truth), self.plant.truth, commands, disturbance)
 
     def _observe(self, truth: Truth) -> sensors.Estimate:
+        """What the sensors make of the truth, once a step."""
         estimate, self._memory = sensors.observe(truth, self._memory, self._rng)
         return estimate
 
     def _deliver(self, datagram: bytes, endpoint: int) -> None:
-        for frame in self.links[endpoint].receive(datagram):
-            self._forward(frame, endpoint)
+        frames = self.links[endpoint].receive(datagram)
+        if len(self.links) > 1:
+            for frame in frames:
+                self._forward(frame, endpoint)
         if self._held and self.autopilot.offboard_flown:
             self._held = False
         self._tell()
@@ -186,13 +192,19 @@ class Bridge:
         commander = self.autopilot.commander
         if commander.texts:
             for text in commander.texts:
-                self.log.append(text.text.rstrip("\t"))
+                self._note(text.text.rstrip("\t"))
                 for link in self.links:
                     link.say(text)
             commander.texts.clear()
         if commander.mode is not self._logged:
             self._logged = commander.mode
-            self.log.append(f"mode {commander.mode.name}{'' if commander.failsafe is None else ' (failsafe)'}")
+            self._note(f"mode {commander.mode.name}{'' if commander.failsafe is None else ' (failsafe)'}")
+
+    def _note(self, line: str) -> None:
+        """Log a line, but not again and again what somebody provokes many times a second."""
+        if line != self._noted[0] or self.now - self._noted[1] >= 1.0:
+            self.log.append(line)
+            self._noted = (line, self.now)
 
     def _send(self, endpoint: int, link: Link) -> None:
         at = self._count * self._step_us + self._delay_down_us

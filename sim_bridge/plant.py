@@ -16,6 +16,8 @@ from sim_bridge.rotors import Four, Lag, course, thrust_wanted
 BODY_RATE_MAX = 100.0
 """rad/s. Beyond this the fixed step no longer resolves the turning; a body rate stops here, as in PX4's SIH at 19."""
 
+OFF: Four = (0.0, 0.0, 0.0, 0.0)
+
 
 class Truth(NamedTuple):
     """The true state at one moment.
@@ -65,7 +67,7 @@ class Plant:
             *(math.cos(half), 0.0, 0.0, math.sin(half)),
             *(0.0, 0.0, 0.0),
         )
-        self._thrusts: Four = (0.0, 0.0, 0.0, 0.0)
+        self._thrusts = OFF
         self._a_n: Vec3 = (0.0, 0.0, 0.0)
         self._on_ground = True
 
@@ -88,9 +90,13 @@ class Plant:
         t = self.steps / self.steps_per_second
         return Truth(t, (pn, pe, pd), (vn, ve, vd), self._a_n, (w, x, y, z), (p, q, r), self._thrusts, self._on_ground)
 
-    def step(self, commands: Four) -> None:
-        """Let one step pass under motor commands in the rotors' own units."""
-        thrusts = course(self._lag, self._thrusts, self._wanted(commands))
+    def step(self, commands: Four | None) -> None:
+        """Let one step pass under motor commands in the rotors' own units; None: the motors are switched off.
+
+        A rotor whose range begins above zero idles at the bottom of it, but only while it is switched on.
+        """
+        wanted = OFF if commands is None else self._wanted(commands)
+        thrusts = course(self._lag, self._thrusts, wanted)
         motion = self._motion
         self.steps += 1
         self._thrusts = thrusts[2]

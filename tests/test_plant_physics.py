@@ -197,6 +197,16 @@ def test_commands_saturate_at_the_rotors_range() -> None:
     assert plant.truth.rotor_thrusts == pytest.approx((-125.0, -250.0, 25.0, 250.0))
 
 
+def test_a_rotor_that_idles_stands_still_when_it_is_switched_off() -> None:
+    vehicle = bare("x500")
+    idling = replace(vehicle, rotors=tuple(replace(rotor, command=(0.1, 1.0)) for rotor in vehicle.rotors))
+    plant = Plant(idling, World(), 250)
+    plant.step((0.0, 0.0, 0.0, 0.0))
+    assert plant.truth.thrust == pytest.approx(0.1 * vehicle.thrust_max)
+    plant.step(None)
+    assert plant.truth.thrust == 0.0
+
+
 def test_body_rates_stay_where_the_step_resolves_them() -> None:
     plant = in_the_air(bare("paper"), height=1e5)
     for _ in range(2500):

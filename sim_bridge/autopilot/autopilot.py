@@ -83,12 +83,13 @@ class Autopilot:
         descends = mode is Mode.LAND or (mode is Mode.RETURN and self.guidance.is_landing)
         return Landed.LANDING if descends else Landed.IN_AIR
 
-    def control(self) -> Four:
-        """The motor commands for the coming step, from the last estimate."""
+    def control(self) -> Four | None:
+        """The motor commands for the coming step, from the last estimate; None: motors off."""
         now, commander, cascade = self.estimate, self.commander, self.cascade
         if not commander.armed or commander.mode is Mode.TERMINATION:
             self._flown = self.demand = None
-            return cascade.stop(now)
+            cascade.stop(now)
+            return None
         if commander.mode is not self._flown:
             self._enter(commander.mode)
         if commander.mode is Mode.OFFBOARD:

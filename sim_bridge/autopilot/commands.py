@@ -109,7 +109,7 @@ def _return(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
 def _set_message_interval(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
     msgid, interval, *others, target = command.parameters
     unused = (others[0], others[1], target)
-    if any(math.isfinite(value) and round(value) != 0 for value in unused):
+    if not math.isfinite(interval) or any(math.isfinite(value) and round(value) != 0 for value in unused):
         return Result.FAILED
     interval_us = min(_whole(interval), 2**31) if interval >= 0.0 else STOPPED
     return Result.ACCEPTED if wire.set_interval(_whole(msgid), interval_us) else Result.FAILED

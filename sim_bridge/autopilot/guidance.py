@@ -37,7 +37,10 @@ class Throttle:
 
 
 class Guidance:
-    """The automatic modes of one vehicle. ``home_n``: where a return goes (m, NED)."""
+    """The automatic modes of one vehicle. ``home_n``: where a return goes (m, NED).
+
+    ``takeoff_to``: the height (m down in NED) of the next take-off, where the command says one.
+    """
 
     def __init__(self, parameters: Parameters, home_n: Vec3 = (0.0, 0.0, 0.0)) -> None:
         self._parameters = parameters
@@ -46,9 +49,8 @@ class Guidance:
         self._mode = Mode.HOLD
         self._reference = Reference(home_n, (0.0, 0.0, 0.0))
         self._heading = 0.0
-        self._place: Vec3 | None = None
+        self._place: Vec3 | None = None  # where the reference is led; None: to a stop
         self._opened_at: float | None = None
-        self._return_height = 0.0
         self._climbing = self._landing = False
 
     def enter(self, mode: Mode, now: Estimate) -> None:
@@ -61,52 +63,63 @@ class Guidance:
         self._heading = euler_from_rotation(rotation_matrix(now.q_nb))[0]
         self._place = None
         self._opened_at = None
-        self._climbing, self._landing = True, False
+        self._climbing, self._landing = mode is Mode.RETURN, mode is Mode.LAND
+        north, east, down = now.p_n
         if mode is Mode.TAKEOFF:
-            height = self._parameters["MIS_TAKEOFF_ALT"]
-            to = self.home_n[2] - height if self.takeoff_to is None else self.takeoff_to
-            self._place = (now.p_n[0], now.p_n[1], min(to, now.p_n[2]))
+            top = self.home_n[2] - self._parameters["MIS_TAKEOFF_ALT"] if self.takeoff_to is None else self.takeoff_to
+            self._place = (north, east, min(top, down))
             self.takeoff_to = None
         elif mode is Mode.RETURN:
-            self._return_height = self.return_height(now)
+            self._place = (north, east, self.home_n[2] - self.return_height(now))
 
     @property
     def is_landing(self) -> bool:
         """Whether the vehicle is on its way down to the ground."""
-        return self._mode in (Mode.LAND, Mode.DESCEND) or (self._mode is Mode.RETURN and self._landing)
+        return self._landing
 
     def takeoff_is_over(self, now: Estimate) -> bool:
         """Whether a take-off has reached its height."""
         return self._mode is Mode.TAKEOFF and self._place is not None and now.p_n[2] - self._place[2] < HEIGHT_REACHED
 
+    def return_height(self, now: Estimate) -> float:
+        """The height above home (m) a return from here flies at: PX4's cone of 45 degrees near home."""
+        distance = self._from_home(now)
+        near, height = self._parameters["NAV_ACC_RAD"], self._parameters["RTL_RETURN_ALT"]
+        if distance <= near:
+            height = 2.0 * distance
+        else:
+            if distance <= self._parameters["RTL_MIN_DIST"]:
+                height = min(distance, height)
+            height = max(height, 2.0 * near)
+        return max(height, self.home_n[2] - now.p_n[2])
+
     def step(self, now: Estimate, t: float, on_ground: bool, touching: bool, step: float) -> Target | Throttle:
         """What to fly at ``t`` (s). ``on_ground``: not lifted off yet or landed; ``touching``: the ground is felt."""
-        if self._mode is Mode.TAKEOFF and on_ground:
-            return self._open_throttle(now, t)
         if on_ground:
             self._reference = Reference(now.p_n, (0.0, 0.0, 0.0))
-            return Throttle(0.0)
-        if self.is_landing and touching:
-            return Throttle(CLOSED_OF_HOVER)
-        if self._mode is Mode.RETURN and not self._landing:
-            self._return(now, step)
-        if self.is_landing:
+            return self._open_throttle(t) if self._mode is Mode.TAKEOFF else Throttle(0.0)
+        if self._landing:
+            if touching:
+                return Throttle(CLOSED_OF_HOVER)
             self._reference = self._sunk(now, step)
-            x, y, _ = self._reference.p_n
-            return Target((x, y, None), self._reference.v_n, self._heading, self._reference.a_n)
-        if self._mode is not Mode.RETURN:
-            if self._place is None:
-                self._reference = along(self._reference, (0.0, 0.0, 0.0), PACE, step)
-            else:
-                pace = PACE._replace(climb=self._parameters["MPC_TKO_SPEED"])
-                self._reference = towards(self._reference, self._place, pace, step)
+            north, east, _ = self._reference.p_n
+            return Target((north, east, None), self._reference.v_n, self._heading, self._reference.a_n)
+        if self._mode is Mode.RETURN:
+            self._next_leg(now)
+        pace = PACE._replace(climb=self._parameters["MPC_TKO_SPEED"]) if self._mode is Mode.TAKEOFF else PACE
+        self._reference = self._led(pace, step)
         return Target(self._reference.p_n, self._reference.v_n, self._heading, self._reference.a_n)
 
-    def _open_throttle(self, now: Estimate, t: float) -> Throttle:
+    def _led(self, pace: Pace, step: float) -> Reference:
+        """The reference one step nearer to its place, or to a stop."""
+        if self._place is None:
+            return along(self._reference, (0.0, 0.0, 0.0), pace, step)
+        return towards(self._reference, self._place, pace, step)
+
+    def _open_throttle(self, t: float) -> Throttle:
         """Idle for the spool-up time, then open the throttle until the vehicle leaves the ground."""
         if self._opened_at is None:
             self._opened_at = t + self._parameters["COM_SPOOLUP_TIME"]
-        self._reference = Reference(now.p_n, (0.0, 0.0, 0.0))
         return Throttle(max(0.0, (t - self._opened_at) / max(0.1, RAMP_OF_HOVER * self._parameters["MPC_TKO_RAMP_T"])))
 
     def _sunk(self, now: Estimate, step: float) -> Reference:
@@ -116,37 +129,18 @@ class Guidance:
         low, high = SLOWS_BETWEEN
         share = max(0.0, min(1.0, (height - low) / (high - low)))
         speed = self._parameters["MPC_LAND_CRWL"] if height < CRAWL_BELOW else slow + share * (PACE.sink - slow)
-        level = self._place if self._mode is Mode.RETURN and self._place is not None else None
-        if level is None:
-            return along(self._reference, (0.0, 0.0, speed), PACE, step)
-        led = towards(self._reference, (level[0], level[1], self._reference.p_n[2]), PACE, step)
-        sunk = along(self._reference, (0.0, 0.0, speed), PACE, step)
-        return Reference(
-            (*led.p_n[:2], sunk.p_n[2]), (*led.v_n[:2], sunk.v_n[2]), (*led.a_n[:2], sunk.a_n[2])
-        )  # fmt: skip
+        (north, east, _), (vn, ve, _), (an, ae, _) = self._led(PACE, step)
+        _, _, down = zip(*along(self._reference, (0.0, 0.0, speed), PACE, step), strict=True)
+        return Reference((north, east, down[0]), (vn, ve, down[1]), (an, ae, down[2]))
 
-    def _return(self, now: Estimate, step: float) -> None:
-        """Up to the height of the return, across to home, then down."""
-        above = self.home_n[2] - self._return_height
-        x, y, _ = self._reference.p_n
-        if self._climbing:
-            if self._place is None:
-                self._place = (x, y, above)
-            self._reference = towards(self._reference, self._place, PACE, step)
-            self._climbing = now.p_n[2] - above > HEIGHT_REACHED
-            return
-        self._place = (self.home_n[0], self.home_n[1], above)
-        self._reference = towards(self._reference, self._place, PACE, step)
-        self._landing = math.hypot(now.p_n[0] - self.home_n[0], now.p_n[1] - self.home_n[1]) < PLACE_REACHED
+    def _next_leg(self, now: Estimate) -> None:
+        """Of a return: up first, then across to home, then down."""
+        assert self._place is not None
+        if self._climbing and now.p_n[2] - self._place[2] < HEIGHT_REACHED:
+            self._climbing = False
+            self._place = (self.home_n[0], self.home_n[1], self._place[2])
+        self._landing = not self._climbing and self._from_home(now) < PLACE_REACHED
 
-    def return_height(self, now: Estimate) -> float:
-        """The height above home (m) a return from here flies at: PX4's cone of 45 degrees near home."""
-        distance = math.hypot(now.p_n[0] - self.home_n[0], now.p_n[1] - self.home_n[1])
-        near, height = self._parameters["NAV_ACC_RAD"], self._parameters["RTL_RETURN_ALT"]
-        if distance <= near:
-            height = 2.0 * distance
-        else:
-            if distance <= self._parameters["RTL_MIN_DIST"]:
-                height = min(distance, height)
-            height = max(height, 2.0 * near)
-        return max(height, self.home_n[2] - now.p_n[2])
+    def _from_home(self, now: Estimate) -> float:
+        """m, level."""
+        return math.hypot(now.p_n[0] - self.home_n[0], now.p_n[1] - self.home_n[1])

@@ -55,13 +55,12 @@ class Cascade:
         attitude, thrust = self._position.update(now, target)
         return attitude, self._mixer.mix((0.0, 0.0, 0.0), thrust)[0]
 
-    def stop(self, now: Estimate) -> Four:
-        """Motors off."""
+    def stop(self, now: Estimate) -> None:
+        """The motors are off: forget what was flown."""
         self._rates.reset(now.w_b)
         self.thrust = 0.0
         self.rates_wanted = (0.0, 0.0, 0.0)
         self.commands = STOPPED
-        return self.commands
 
     def fly_motors(self, now: Estimate, commands: Four) -> Four:
         """Motor commands as they come, in the rotors' units."""

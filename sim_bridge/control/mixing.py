@@ -8,7 +8,11 @@ raised) for the sake of roll and pitch, roll and pitch before each other, yaw is
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from companion.frames import Vec3
 from companion.vehicle import Rotor
@@ -41,8 +45,8 @@ class Mixer:
         self._back = tuple(_four(row) for row in np.linalg.inv(columns)[:3])
         self.torque_per_unit: Vec3 = (1.0 / scale[0], 1.0 / scale[1], 1.0 / scale[2])
         self.thrust_per_unit = 1.0 / scale[3]
-        self._full = _four(np.array([rotor.command[1] for rotor in rotors]))
-        self._low = _four(np.array([rotor.command[0] / rotor.command[1] for rotor in rotors]))
+        self._full = _four(rotor.command[1] for rotor in rotors)
+        self._low = _four(rotor.command[0] / rotor.command[1] for rotor in rotors)
 
     def mix(self, torque: Vec3, thrust: float) -> tuple[Four, Vec3]:
         """Motor commands in the rotors' units, and the torque that saturation took away (in the same units of 1)."""
@@ -65,15 +69,15 @@ class Mixer:
     def _desaturated(self, motors: Four, torque: Vec3) -> tuple[Four, Vec3]:
         """PX4's mixAirmodeDisabled, from the motors without yaw to the motors with as much yaw as is left."""
         low, high = self._low, (1.0, 1.0, 1.0, 1.0)
-        down: Four = tuple(-t for t in self._thrust)  # type: ignore[assignment]
+        down = _four(-t for t in self._thrust)
         motors = _relieved(motors, down, low, high, only_along=True)
         motors = _relieved(motors, self._roll, low, high)
         motors = _relieved(motors, self._pitch, low, high)
-        motors = tuple(a + y * torque[2] for a, y in zip(motors, self._yaw, strict=True))  # type: ignore[assignment]
-        wider: Four = tuple(1.0 + YAW_MARGIN * (1.0 - bottom) for bottom in low)  # type: ignore[assignment]
+        motors = _four(a + y * torque[2] for a, y in zip(motors, self._yaw, strict=True))
+        wider = _four(1.0 + YAW_MARGIN * (1.0 - bottom) for bottom in low)
         motors = _relieved(motors, self._yaw, low, wider)
         motors = _relieved(motors, down, low, high, only_along=True)
-        motors = tuple(max(bottom, min(1.0, a)) for a, bottom in zip(motors, low, strict=True))  # type: ignore[assignment]
+        motors = _four(max(bottom, min(1.0, a)) for a, bottom in zip(motors, low, strict=True))
         roll, pitch, yaw = (
             wanted - sum(b * a for b, a in zip(row, motors, strict=True))
             for wanted, row in zip(torque, self._back, strict=True)
@@ -81,7 +85,7 @@ class Mixer:
         return motors, (_without_rounding(roll), _without_rounding(pitch), _without_rounding(yaw))
 
 
-def _four(values: np.ndarray) -> Four:
+def _four(values: Iterable[float]) -> Four:
     a, b, c, d = map(float, values)
     return (a, b, c, d)
 
@@ -91,7 +95,7 @@ def _without_rounding(lost: float) -> float:
     return lost if abs(lost) > 1e-9 else 0.0
 
 
-def _scale_of_a_tilting_axis(column: np.ndarray) -> float:
+def _scale_of_a_tilting_axis(column: NDArray[Any]) -> float:
     """PX4's scale of the roll and pitch columns: their norm, over half the number of rotors that take part."""
     taking_part = int((np.abs(column) > 1e-3 * np.abs(column).max()).sum())
     return float(np.sqrt(column @ column / (taking_part / 2.0)))
