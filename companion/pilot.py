@@ -13,9 +13,9 @@ from companion.flight.guards import STALE_AFTER, STREAM_FIRST, Answer, Situation
 from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import tilt, wrap
 from companion.law.bare import LawError
-from companion.law.flight import Ramp, Thrust
+from companion.law.flight import Ramp
 from companion.plan import Plan
-from companion.steering.steering import Steered
+from companion.steering.steering import Steered, SteeringMemory
 from companion.vehicle import Mode, Setpoint, VehicleState, VehicleStatus
 
 DT_MAX = 0.1
@@ -58,7 +58,7 @@ class Memory(NamedTuple):
     mode_seen: bool = False
     answer: Answer | None = None
     from_ground: bool = False
-    thrust: Thrust | None = None
+    steering: SteeringMemory | None = None
     steered_at: float | None = None
     progress: Progress | None = None
     follow_from: float | None = None
@@ -226,12 +226,12 @@ def _steered(plan: Plan, memory: Memory, ramp: Ramp) -> tuple[Memory, Steered]:
     """The law's setpoint for the newest state. The extension stands still until the vehicle flies on it."""
     state = memory.state
     assert state is not None
-    thrust = plan.steering.begin() if memory.thrust is None else memory.thrust
+    steering = plan.steering.begin() if memory.steering is None else memory.steering
     dt = 0.0
     if memory.phase is not Phase.TAKE_OVER and memory.steered_at is not None:
         dt = min(max(state.t_boot - memory.steered_at, 0.0), DT_MAX)
-    steered = plan.steering.steer(thrust, state, dt, ramp)
-    return memory._replace(thrust=steered.thrust, steered_at=state.t_boot), steered
+    steered = plan.steering.steer(steering, state, dt, ramp)
+    return memory._replace(steering=steered.memory, steered_at=state.t_boot), steered
 
 
 def _request(memory: Memory, now: float) -> Request | None:

@@ -1,1 +1,11 @@
-"""The commands."""
+"""The commands. Heavy parts are imported when a command needs them.
+
+simulate   a mission against the plant: in lockstep, or as two processes over UDP
+flying     a mission on a vehicle
+bare       the law without a vehicle, state by state
+finish     what every flight ends with: summary, folder, report, exit code
+"""
+
+from companion.cli.commands import main
+
+__all__ = ["main"]

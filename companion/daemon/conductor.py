@@ -184,11 +184,11 @@ class Conductor:
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
         """Make the plan once the vehicle is known and has said where it is."""
-        identity = self.link.identity
-        if identity is None:
-            return
         if self._stop:
             self.refusal = "stopped by the user before the flight began"
+            return
+        identity = self.link.identity
+        if identity is None:
             return
         self.refusal = self._refusal(identity, now)
         if self.refusal is not None or state is None:

@@ -10,7 +10,7 @@ from companion.flight.guards import Answer, Reply
 from companion.flight.phases import Phase, Request
 from companion.frames import tilt
 from companion.pilot import Memory, Observation, Outcome, yaw_error
-from companion.record.table import Column, Row
+from companion.record.table import Column, Row, dtype_of
 from companion.vehicle import (
     AttitudeSetpoint,
     Landed,
@@ -73,6 +73,7 @@ TOLD = (
 )
 
 COLUMNS = SEEN + DONE + TOLD
+DONE_DTYPE = dtype_of(DONE)
 
 E = TypeVar("E", bound=enum.Enum)
 
@@ -137,18 +138,21 @@ def sent_part(setpoint: Setpoint | None) -> tuple[int, float, float, float, floa
     return (0, *_NOT_SENT)
 
 
+def done_part(memory: Memory, outcome: Outcome) -> Row:
+    """The columns ``DONE``."""
+    return (_index(memory.phase), _index(outcome.request), *sent_part(outcome.setpoint))
+
+
 def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> Row:
     """One row of the flight table."""
     steered, progress, state = outcome.steered, memory.progress, memory.state
     return (
         *seen_part(observation, now),
-        _index(memory.phase),
-        _index(outcome.request),
-        *sent_part(outcome.setpoint),
+        *done_part(memory, outcome),
         *(
             (math.nan,) * 3 + (0,)
             if steered is None
-            else (steered.thrust.zeta, steered.thrust.zeta_dot, steered.thrust_n, int(steered.saturated))
+            else (steered.zeta, steered.zeta_dot, steered.thrust_n, int(steered.saturated))
         ),
         outcome.ramp.factor,
         *((math.nan,) * 3 if progress is None else (progress.s, progress.travelled, progress.path_error)),

@@ -7,6 +7,7 @@ It is written as the flight goes on, with a valid header at every moment: a kill
 from __future__ import annotations
 
 import struct
+from collections import deque
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -33,19 +34,19 @@ class TableWriter:
         self._dtype = dtype_of(columns)
         self._file: BinaryIO = path.open("wb")
         self._rows = 0
-        self._pending = bytearray()
+        self._pending: deque[bytes] = deque()
         self._header()
 
     def append(self, row: Row) -> None:
-        """Take a row; it reaches the file with the next ``flush``."""
-        self._pending += self._packer.pack(*row)
-        self._rows += 1
+        """Take a row; it reaches the file with the next ``flush``, which another thread may call."""
+        self._pending.append(self._packer.pack(*row))
 
     def flush(self) -> None:
         """Write what was appended, and a header that counts it."""
-        pending, self._pending = self._pending, bytearray()
+        waiting = len(self._pending)
         self._file.seek(0, 2)
-        self._file.write(pending)
+        self._file.write(b"".join(self._pending.popleft() for _ in range(waiting)))
+        self._rows += waiting
         self._header()
         self._file.flush()
 

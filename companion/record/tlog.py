@@ -6,6 +6,7 @@ Each record is the time as a big-endian count of microseconds since 1970 and the
 from __future__ import annotations
 
 import struct
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
@@ -21,16 +22,16 @@ class TlogWriter:
     def __init__(self, path: Path, epoch: float) -> None:
         self._file: BinaryIO = path.open("wb")
         self._epoch = epoch
-        self._pending = bytearray()
+        self._pending: deque[bytes] = deque()
 
     def append(self, now: float, raw: bytes) -> None:
-        """Take one frame that came or went at ``now``; it reaches the file with the next ``flush``."""
-        self._pending += _STAMP.pack(round((self._epoch + now) * 1e6)) + raw
+        """Take one frame that came or went at ``now``; it reaches the file with the next ``flush``, which another
+        thread may call."""
+        self._pending.append(_STAMP.pack(round((self._epoch + now) * 1e6)) + raw)
 
     def flush(self) -> None:
         """Write what was appended."""
-        pending, self._pending = self._pending, bytearray()
-        self._file.write(pending)
+        self._file.write(b"".join(self._pending.popleft() for _ in range(len(self._pending))))
         self._file.flush()
 
     def close(self) -> None:

@@ -3,66 +3,64 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from companion.allocation import Allocation, Four
-from companion.frames import upright_error
+from companion.estimation.prediction import advanced
+from companion.frames import Vec3, rotation_matrix, upright_error
 from companion.law.flight import ImplicitLaw, Ramp, Thrust
 from companion.steering.steering import Steered
+from companion.steering.thrust import ThrustRange, thrust_range
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
 
-ZETA_MIN, ZETA_MAX, THRUST_SHARE_MAX = 0.25, 1.9, 0.95
-"""zeta is kept between these shares of the weight, and below this share of the largest thrust."""
-ZETA_DOT_MAX = 3.0
-"""weights a second."""
 NO_DISTURBANCE = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
-class ThrustRange:
-    """Where the extension's state may be; on a bound zeta_dot is zero, so that nothing winds up behind it."""
+class Extension(NamedTuple):
+    """The thrust the law integrates (zeta N, zeta_dot N/s), its last zeta_ddot, and the torques last sent (N m)."""
 
-    low: float
-    high: float
-    rate: float
-
-    def advanced(self, thrust: Thrust, zeta_ddot: float, dt: float) -> tuple[Thrust, bool]:
-        """The state ``dt`` later, and whether a bound was met (Eq. 4: two integrators before the thrust)."""
-        zeta_dot = thrust.zeta_dot + zeta_ddot * dt
-        limited = max(-self.rate, min(self.rate, zeta_dot))
-        zeta = thrust.zeta + 0.5 * (thrust.zeta_dot + limited) * dt
-        if not self.low <= zeta <= self.high:
-            return Thrust(max(self.low, min(self.high, zeta)), 0.0), True
-        return Thrust(zeta, limited), limited != zeta_dot
+    zeta: float
+    zeta_dot: float = 0.0
+    zeta_ddot: float = 0.0
+    torque: Vec3 = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class MotorSteering:
-    """The law at the level of motors for one vehicle. Without limits (``range`` None) it is the bare mathematics."""
+    """The law at the level of motors for one vehicle.
+
+    A command is held until the next one, so it acts as if it came half a step late. The law is therefore evaluated at
+    the state in the middle of that time; at 1 kHz the paper's case 2 then flies within 0.001 deg of its exact tilt.
+    """
 
     law: ImplicitLaw
     vehicle: Vehicle
     allocation: Allocation
-    range: ThrustRange | None
+    range: ThrustRange
 
-    def begin(self) -> Thrust:
+    def begin(self) -> Extension:
         """zeta = m g, zeta_dot = 0 (the paper's section V)."""
-        return Thrust(self.vehicle.weight, 0.0)
+        return Extension(self.vehicle.weight)
 
-    def steer(self, thrust: Thrust, state: VehicleState, dt: float, ramp: Ramp) -> Steered:
+    def steer(self, memory: Extension, state: VehicleState, dt: float, ramp: Ramp) -> Steered:
         """Motor commands for ``state``. Raises LawError."""
-        command = self.law(state.p_n, state.v_n, state.r_nb, state.w_b, thrust, NO_DISTURBANCE, ramp)
-        saturated = False
-        # the command acts from now until the next step, so it carries the thrust of the middle of that time
-        middle = thrust.zeta + 0.5 * dt * thrust.zeta_dot
-        if self.range is None:
-            following = Thrust(
-                thrust.zeta + dt * thrust.zeta_dot + 0.5 * dt * dt * command.zeta_derivative,
-                thrust.zeta_dot + dt * command.zeta_derivative,
-            )
-        else:
-            following, saturated = self.range.advanced(thrust, command.zeta_derivative, dt)
-        allocated = self.allocation.allocate((middle, *command.turn))
-        return Steered(MotorSetpoint(allocated.commands), following, command, middle, saturated or allocated.saturated)
+        half = 0.5 * dt
+        zeta, zeta_dot, zeta_ddot, _ = memory
+        middle = Thrust(zeta + half * zeta_dot, zeta_dot + half * zeta_ddot)
+        there = state if dt == 0.0 else advanced(state, *self._motion(state, memory), half)
+        r_nb = rotation_matrix(there.q_nb)
+        command = self.law(there.p_n, there.v_n, r_nb, there.w_b, middle, NO_DISTURBANCE, ramp)
+        later, later_dot, bound = self.range.twice_integrated(zeta, zeta_dot, command.zeta_derivative, dt)
+        allocated = self.allocation.allocate((middle.zeta, *command.turn))
+        return Steered(
+            setpoint=MotorSetpoint(allocated.commands),
+            memory=Extension(later, later_dot, command.zeta_derivative, command.turn),
+            command=command,
+            zeta=later,
+            zeta_dot=later_dot,
+            thrust_n=middle.zeta,
+            saturated=bound or allocated.saturated,
+        )
 
     def level(self, state: VehicleState | None) -> MotorSetpoint:
         """Hover thrust, and from a fresh state the torques that turn the thrust axis up and stop the turning."""
@@ -70,7 +68,24 @@ class MotorSteering:
         u: Four = (self.vehicle.weight, *torque)
         return MotorSetpoint(self.allocation.allocate(u).commands)
 
-    def _levelling_torque(self, state: VehicleState) -> tuple[float, float, float]:
+    def _motion(self, state: VehicleState, memory: Extension) -> tuple[Vec3, Vec3]:
+        """Acceleration (world) and body acceleration under the command that acts now (Eqs. 1 and 2)."""
+        vehicle = self.vehicle
+        r = state.r_nb
+        lift = memory.zeta / vehicle.mass
+        c = vehicle.drag
+        vx, vy, vz = state.v_n
+        acceleration = (-lift * r[2] - c * vx, -lift * r[5] - c * vy, vehicle.gravity - lift * r[8] - c * vz)
+        jx, jy, jz = vehicle.inertia
+        p, q, w = state.w_b
+        u2, u3, u4 = memory.torque
+        return acceleration, (
+            (u2 - (jz - jy) * q * w) / jx,
+            (u3 - (jx - jz) * w * p) / jy,
+            (u4 - (jy - jx) * p * q) / jz,
+        )
+
+    def _levelling_torque(self, state: VehicleState) -> Vec3:
         """A PD law on the thrust axis, critically damped at 6 rad/s, without a heading."""
         error_x, error_y = upright_error(state.r_nb)
         p, q, r = state.w_b
@@ -82,8 +97,4 @@ def motor_steering(law: ImplicitLaw, vehicle: Vehicle) -> MotorSteering:
     """Steering for ``vehicle``. AllocationError: rotors that cannot make every thrust and torque."""
     allocation = Allocation(vehicle)
     _ = allocation.inverse
-    thrust_range = None
-    if vehicle.limits is not None:
-        high = min(ZETA_MAX * vehicle.weight, THRUST_SHARE_MAX * vehicle.thrust_max)
-        thrust_range = ThrustRange(ZETA_MIN * vehicle.weight, high, ZETA_DOT_MAX * vehicle.weight)
-    return MotorSteering(law, vehicle, allocation, thrust_range)
+    return MotorSteering(law, vehicle, allocation, thrust_range(vehicle))

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
-from companion.law.flight import Command, Ramp, Thrust
+from companion.law.flight import Command, Ramp
 from companion.vehicle import Setpoint, VehicleState
+
+SteeringMemory = Any
+"""What a level carries from step to step; frozen, and nobody else's business."""
 
 
 class Steered(NamedTuple):
     """One step of steering.
 
-    ``setpoint``: clamped and finite. ``thrust``: the extension's state for the next step. ``command``: what the law
-    asked for. ``thrust_n``: N, the collective thrust that was sent. ``saturated``: whether a limit was met.
+    ``setpoint``: clamped and finite. ``memory``: for the next step. ``command``: what the law asked for. ``zeta``: N,
+    ``zeta_dot``: N/s, the dynamic extension (Eq. 4). ``thrust_n``: N, the collective thrust that was sent.
+    ``saturated``: whether a limit was met.
     """
 
     setpoint: Setpoint
-    thrust: Thrust
+    memory: SteeringMemory
     command: Command
+    zeta: float
+    zeta_dot: float
     thrust_n: float
     saturated: bool
 
@@ -25,10 +31,10 @@ class Steered(NamedTuple):
 class Steering(Protocol):
     """The law at one output level."""
 
-    def begin(self) -> Thrust:
-        """The extension's state when taking over from a hover."""
+    def begin(self) -> SteeringMemory:
+        """The memory when taking over from a hover."""
 
-    def steer(self, thrust: Thrust, state: VehicleState, dt: float, ramp: Ramp) -> Steered:
+    def steer(self, memory: SteeringMemory, state: VehicleState, dt: float, ramp: Ramp) -> Steered:
         """The setpoint for ``state``. ``dt``: s since the last step, 0 to hold the extension. Raises LawError."""
 
     def level(self, state: VehicleState | None) -> Setpoint:

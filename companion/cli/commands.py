@@ -1,0 +1,93 @@
+"""The command line: names, options, exit codes."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from companion.cli.orders import Output
+from companion.vehicle import CompanionError
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Fly a path, not a timetable: path following for PX4 quadrotors.",
+)
+
+MissionName = Annotated[str, typer.Argument(metavar="MISSION", help="A mission file, or a name in configs/missions.")]
+VehicleName = Annotated[
+    str | None, typer.Option("--vehicle", help="A name in configs/vehicles, or a vehicle file. [default: x500]")
+]
+OutputName = Annotated[Output, typer.Option("--output", help="The level at which setpoints go out.")]
+Json = Annotated[bool, typer.Option("--json", help="stdout is one JSON document; words go to stderr.")]
+Record = Annotated[Path | None, typer.Option("--record", help="The flight folder. [default: flights/DATE-TIME-NAME]")]
+Settle = Annotated[float, typer.Option("--settle", min=0.0, help="s of following after which the flight is settled.")]
+Duration = Annotated[float | None, typer.Option("--duration", min=0.1, help="s of following.")]
+
+
+@app.command()
+def sim(
+    mission: MissionName,
+    vehicle: VehicleName = None,
+    output: OutputName = Output.AUTO,
+    world: Annotated[str, typer.Option(help="A name in configs/worlds, or a world file.")] = "ideal",
+    seed: Annotated[int, typer.Option(help="Of every chance in the world.")] = 0,
+    from_ground: Annotated[bool, typer.Option("--from-ground", help="Arm and take off first; land after.")] = False,
+    duration: Duration = None,
+    settle: Settle = 10.0,
+    udp: Annotated[bool, typer.Option("--udp", help="Two processes over UDP in real time, not lockstep.")] = False,
+    record: Record = None,
+    json: Json = False,
+) -> None:
+    """Fly a mission in simulation."""
+    from companion.cli.finish import Ending
+    from companion.cli.orders import Faults, read_sortie
+    from companion.cli.simulate import Simulation, in_lockstep, over_udp
+    from companion.config.world import load_world
+    from companion.record.folder import new_directory
+
+    faults = Faults()
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True))
+    surroundings = faults.collect(lambda: load_world(world))
+    faults.raise_any()
+    assert sortie is not None and surroundings is not None
+    simulation = Simulation(
+        sortie=sortie,
+        world=surroundings,
+        world_name=world,
+        seed=seed,
+        from_ground=from_ground,
+        duration=duration,
+        directory=record or new_directory(sortie.mission.name),
+        ending=Ending(json, settle),
+        report=False,
+    )
+    raise typer.Exit((over_udp if udp else in_lockstep)(simulation))
+
+
+@app.command()
+def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:
+    """Feed a flight's recorded inputs through the pilot again: the same setpoints, bit for bit."""
+    from companion.record.replay import load_flight
+    from companion.record.replay import replay as again
+
+    replayed = again(load_flight(directory))
+    if replayed.difference is not None:
+        print(f"differs at {replayed.difference}")
+        raise typer.Exit(1)
+    print(f"{replayed.ticks} ticks, {replayed.setpoints} setpoints: the same, bit for bit")
+
+
+def main() -> None:
+    """The console entry point."""
+    try:
+        app()
+    except CompanionError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
+    except BrokenPipeError:
+        sys.exit(1)

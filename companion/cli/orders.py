@@ -1,0 +1,110 @@
+"""What a command line asks for -> what is to be flown, or every fault at once."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from companion.config.document import parse
+from companion.config.faults import ConfigError, Fault
+from companion.config.mission import mission_from
+from companion.config.places import find, read
+from companion.config.vehicle import vehicle_from
+from companion.mission import Mission
+from companion.plan import law_level
+from companion.record.folder import Source
+from companion.vehicle import MotorInterface, OutputLevel, Vehicle
+
+DEFAULT_VEHICLE = "x500"
+T = TypeVar("T")
+
+
+class Output(enum.Enum):
+    """``--output``."""
+
+    AUTO = "auto"
+    MOTORS = "motors"
+    RATES = "rates"
+    ATTITUDE = "attitude"
+
+
+@dataclass(frozen=True)
+class Sortie:
+    """A mission and a vehicle, read; and at which output level they fly together."""
+
+    mission: Mission
+    vehicle: Vehicle
+    level: OutputLevel
+    mission_source: Source
+    vehicle_source: Source
+
+
+class Faults:
+    """Collects what is wrong with several inputs, to show it all at once."""
+
+    def __init__(self) -> None:
+        self._faults: list[Fault] = []
+
+    def collect(self, read_one: Callable[[], T]) -> T | None:
+        """The value of ``read_one``, or None where it has faults."""
+        try:
+            return read_one()
+        except ConfigError as error:
+            self._faults += error.faults
+            return None
+
+    def raise_any(self) -> None:
+        """ConfigError, if anything was wrong."""
+        if self._faults:
+            raise ConfigError(self._faults)
+
+
+def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, direct: bool = False) -> Sortie:
+    """The mission and the vehicle of a command line.
+
+    The vehicle is ``--vehicle``, else the mission's own, else x500. ``direct``: ``--output motors`` treats the vehicle
+    as if its file said ``motors: direct`` (simulation only). ConfigError with the faults of both files.
+    """
+    faults = Faults()
+    mission_text = faults.collect(lambda: _source(mission_name, "missions"))
+    named = vehicle_name or (None if mission_text is None else _own_vehicle(mission_text)) or DEFAULT_VEHICLE
+    vehicle_text = faults.collect(lambda: _source(named, "vehicles"))
+    vehicle = None
+    if vehicle_text is not None:
+        vehicle = faults.collect(lambda: vehicle_from(parse(vehicle_text.text, vehicle_text.name)))
+    if vehicle is not None and direct and output is Output.MOTORS:
+        vehicle = dataclasses.replace(vehicle, motors=MotorInterface.DIRECT)
+    level = None if vehicle is None else output_level(output, vehicle)
+    mission = None
+    if mission_text is not None:
+        law = None if level is None else law_level(level)
+        mission = faults.collect(lambda: mission_from(parse(mission_text.text, mission_text.name), law))
+    faults.raise_any()
+    assert mission is not None and vehicle is not None and level is not None
+    assert mission_text is not None and vehicle_text is not None
+    return Sortie(mission, vehicle, level, mission_text, vehicle_text)
+
+
+def output_level(output: Output, vehicle: Vehicle) -> OutputLevel:
+    """``auto``: motors only where the vehicle declares direct motors, otherwise rates."""
+    if output is Output.AUTO:
+        return OutputLevel.MOTORS if vehicle.motors is MotorInterface.DIRECT else OutputLevel.RATES
+    return OutputLevel(output.value)
+
+
+def _source(name: str, kind: str) -> Source:
+    path = find(name, kind)
+    return Source(str(path), read(path))
+
+
+def _own_vehicle(mission: Source) -> str | None:
+    """The vehicle a mission file names, if it can be read at all."""
+    try:
+        data = parse(mission.text, mission.name).data
+    except ConfigError:
+        return None
+    name = data.get("vehicle") if isinstance(data, dict) else None
+    return name if isinstance(name, str) else None

@@ -1,0 +1,154 @@
+"""``sim``: a mission against the plant, in lockstep or as two processes over UDP."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from companion.cli.finish import FAILED, NO_VEHICLE, Ending, finish, say
+from companion.cli.lockstep import fly
+from companion.cli.orders import Sortie
+from companion.daemon.address import UdpPort
+from companion.daemon.conductor import Conductor, Orders
+from companion.daemon.loop import NoVehicleError, clock, run
+from companion.daemon.progress import Watch
+from companion.frames import quaternion_from_euler
+from companion.mission import Mission, Origin
+from companion.record.folder import Recorder
+from companion.vehicle import OutputLevel
+from companion.world import Start, World
+from sim_bridge.bridge import Bridge
+from sim_bridge.plant import Truth
+from sim_bridge.truth_file import TruthFile
+
+DEFAULT_DURATION = 60.0
+"""s of following for a mission that says neither laps nor is told a duration."""
+SIMULATED_PROGRESS = 5.0
+OVERHEAD = 300.0
+"""s of simulated time a flight may take beyond following."""
+WAIT_FOR_PLANT = 10.0
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """One simulated flight. ``world_name``: as given on the command line, for the plant's own process."""
+
+    sortie: Sortie
+    world: World
+    world_name: str
+    seed: int
+    from_ground: bool
+    duration: float | None
+    directory: Path
+    ending: Ending
+    report: bool
+
+
+def start_of(mission: Mission, held: bool = True) -> Start:
+    """Where the vehicle is when the flight begins: the mission's own start, or a hover on the path."""
+    if mission.start is not None:
+        given = mission.start
+        x, y, z = mission.placement.to_local(given.position)
+        u, v, w = mission.placement.turned(given.velocity)
+        attitude = quaternion_from_euler(given.heading, given.pitch, given.roll)
+        return Start((x, y, z), (u, v, w), attitude, given.rates_b, held=held)
+    point, mu, _ = mission.path.table.at(0.0)
+    return Start.hover(point, mission.yaw_at(point, mu))
+
+
+def in_lockstep(simulation: Simulation) -> int:
+    """Fly in one process under a simulated clock; the exit code."""
+    sortie = simulation.sortie
+    direct = sortie.level is OutputLevel.MOTORS
+    bridge = Bridge(
+        sortie.vehicle,
+        simulation.world,
+        seed=simulation.seed,
+        direct=direct,
+        start=None if simulation.from_ground else start_of(sortie.mission),
+        landed=simulation.from_ground,
+        endpoints=1,
+    )
+    recorder = _recorder(simulation, epoch=0.0)
+    conductor = Conductor(_orders(simulation), recorder, bridge.now)
+    shown = Watch(SIMULATED_PROGRESS)
+    with TruthFile(simulation.directory / "truth.npy") as truth_file:
+
+        def watch(conductor: Conductor, truth: Truth) -> None:
+            truth_file.append(truth, bridge.autopilot.commands)
+            if conductor.notes:
+                for note in conductor.notes:
+                    say(f"{bridge.now:8.2f} s  {note}")
+                conductor.notes.clear()
+            line = shown.look(conductor, bridge.now)
+            if line is not None:
+                say(f"{bridge.now:8.2f} s  {line}")
+
+        fly(conductor, bridge, watch, OVERHEAD + (simulation.duration or 3600.0))
+    return finish(conductor, recorder, simulation.ending, False, _report(simulation))
+
+
+def over_udp(simulation: Simulation) -> int:
+    """Fly with the plant as a process of its own, over loopback in real time; the exit code."""
+    sortie = simulation.sortie
+    port = UdpPort("127.0.0.1", 0, listen=True)
+    recorder = _recorder(simulation, epoch=time.time() - clock())
+    vehicle_file = simulation.directory / "vehicle.yaml"
+    command = [
+        *(sys.executable, "-m", "sim_bridge", "--vehicle", str(vehicle_file), "--world", simulation.world_name),
+        *("--connect", f"udpout://127.0.0.1:{port.local[1]}", "--ground-station", "none"),
+        *("--seed", str(simulation.seed), "--truth", str(simulation.directory / "truth.npy")),
+    ]
+    if sortie.level is OutputLevel.MOTORS:
+        command += ["--motors", "direct"]
+    if not simulation.from_ground:
+        start = start_of(sortie.mission)
+        told = {
+            "position_n": list(start.position_n),
+            "velocity_n": list(start.velocity_n),
+            "q_nb": list(start.q_nb),
+            "rates_b": list(start.rates_b),
+            "held": start.held,
+        }
+        command += ["--start", json.dumps(told)]
+    conductor = Conductor(_orders(simulation), recorder, clock())
+    plant = subprocess.Popen(command)
+    try:
+        stopped = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
+    except NoVehicleError as error:
+        recorder.close()
+        print(error)
+        return NO_VEHICLE
+    finally:
+        plant.terminate()
+        try:
+            plant.wait(5.0)
+        except subprocess.TimeoutExpired:
+            plant.kill()
+            plant.wait()
+        port.close()
+    return finish(conductor, recorder, simulation.ending, stopped, _report(simulation))
+
+
+def _orders(simulation: Simulation) -> Orders:
+    sortie = simulation.sortie
+    duration = simulation.duration
+    if duration is None and sortie.mission.laps is None:
+        duration = DEFAULT_DURATION
+    return Orders(sortie.mission, sortie.vehicle, sortie.level, duration, Origin.LOCAL)
+
+
+def _recorder(simulation: Simulation, epoch: float) -> Recorder:
+    sortie = simulation.sortie
+    return Recorder(simulation.directory, sortie.mission_source, sortie.vehicle_source, epoch)
+
+
+def _report(simulation: Simulation):  # type: ignore[no-untyped-def]
+    return None
+
+
+__all__ = ["FAILED", "Simulation", "in_lockstep", "over_udp", "start_of"]

@@ -1,0 +1,47 @@
+"""What a person watching a flight sees: one line that says where it stands."""
+
+from __future__ import annotations
+
+import math
+
+from companion.daemon.conductor import Conductor, Tick
+from companion.pilot import tilt_of, yaw_error
+
+
+def line(tick: Tick, rate: float) -> str:
+    """Time of following, path error, speed, yaw error, tilt, loop rate."""
+    memory, steered = tick.memory, tick.outcome.steered
+    parts = [f"{memory.phase.value:<10}"]
+    if memory.follow_from is not None and memory.state is not None:
+        parts.append(f"{memory.state.t_boot - memory.follow_from:6.1f} s")
+    if memory.progress is not None:
+        parts.append(f"path error {100.0 * memory.progress.path_error:6.1f} cm")
+    if steered is not None:
+        parts.append(f"speed {steered.command.speed:6.2f} of {steered.command.alpha:.2f} m/s")
+        parts.append(f"yaw error {math.degrees(yaw_error(steered)):6.1f} deg")
+    if memory.state is not None:
+        parts.append(f"tilt {math.degrees(tilt_of(memory.state)):4.1f} deg")
+    parts.append(f"{rate:.0f} Hz")
+    return "  ".join(parts)
+
+
+class Watch:
+    """Turns a conductor into lines at intervals of the given clock."""
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._shown_at: float | None = None
+        self._states = 0
+
+    def look(self, conductor: Conductor, now: float) -> str | None:
+        """The line that is due, or None."""
+        if self._shown_at is None:
+            self._shown_at, self._states = now, conductor.states
+            return None
+        passed = now - self._shown_at
+        tick = conductor.last
+        if passed < self._period or tick is None:
+            return None
+        rate = (conductor.states - self._states) / passed
+        self._shown_at, self._states = now, conductor.states
+        return line(tick, rate)

@@ -1,0 +1,83 @@
+"""The recorded inputs of a flight through the pilot again: the same setpoints, bit for bit."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from companion import pilot
+from companion.config.document import Document, parse
+from companion.config.faults import ConfigError, Fault
+from companion.config.mission import mission_from
+from companion.config.vehicle import vehicle_from
+from companion.plan import Plan, law_level, prepared
+from companion.record import rows
+from companion.record.table import Table, load_table
+from companion.vehicle import MotorInterface, OutputLevel
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A flight folder, read again."""
+
+    plan: Plan
+    table: Table
+    truth: Table | None
+    begun_at: float
+
+
+@dataclass(frozen=True, slots=True)
+class Replayed:
+    """``ticks`` fed, ``setpoints`` made, and the first tick whose outcome differs (None: all the same)."""
+
+    ticks: int
+    setpoints: int
+    difference: str | None
+
+
+def load_flight(directory: Path) -> Recorded:
+    """The flight in a folder. ConfigError: it is not one, or lacks a part."""
+    resolved_file = directory / "resolved.json"
+    try:
+        resolved = json.loads(resolved_file.read_text(encoding="utf-8"))
+        level = OutputLevel(resolved["output"])
+        x, y, z = resolved["origin_n"]
+        begun_at = float(resolved["begun_at"])
+        mission = _document(directory / "mission.yaml")
+        vehicle = _document(directory / "vehicle.yaml")
+        table = load_table(directory / "flight.npy")
+        truth = load_table(directory / "truth.npy") if (directory / "truth.npy").is_file() else None
+    except FileNotFoundError as error:
+        message = f"{Path(str(error.filename)).name} is missing; expected a flight folder"
+        raise ConfigError([Fault(str(directory), 1, "", message)]) from None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        message = f"not a readable flight folder: {error}"
+        raise ConfigError([Fault(str(directory), 1, "", message)]) from None
+    machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
+    plan = prepared(mission_from(mission, law_level(level)), machine, level, (x, y, z), resolved["duration_s"])
+    return Recorded(plan, table, truth, begun_at)
+
+
+def replay(flight: Recorded) -> Replayed:
+    """Feed what the pilot saw through the pilot again and compare what it does."""
+    memory = pilot.begin(flight.begun_at)
+    setpoints = 0
+    names = [column.name for column in rows.DONE]
+    recorded = flight.table[names]
+    for index, row in enumerate(flight.table):
+        seen, now = rows.seen_again(row)
+        memory, outcome = pilot.step(flight.plan, memory, seen, now)
+        again = np.array([rows.done_part(memory, outcome)], dtype=rows.DONE_DTYPE)
+        setpoints += outcome.setpoint is not None
+        if again[0].tobytes() != np.array([tuple(recorded[index])], dtype=rows.DONE_DTYPE).tobytes():
+            was, now_is = tuple(recorded[index].tolist()), tuple(again[0].tolist())
+            changed = ", ".join(f"{n} {a} -> {b}" for n, a, b in zip(names, was, now_is, strict=True) if a != b)
+            return Replayed(index + 1, setpoints, f"tick {index} at {now:.3f} s: {changed}")
+    return Replayed(len(flight.table), setpoints, None)
+
+
+def _document(path: Path) -> Document:
+    return parse(path.read_text(encoding="utf-8"), str(path))

@@ -1,0 +1,249 @@
+"""The figures of a flight, from its table and, where it was simulated, from the plant's true state."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.flight.phases import Phase
+from companion.frames import Vec3, rotation_matrix, tilt, wrap
+from companion.plan import Plan
+from companion.record.table import Table
+from companion.vehicle import OutputLevel
+
+Figures = dict[str, Any]
+Array = NDArray[np.float64]
+
+PHASES = list(Phase)
+FOLLOW = PHASES.index(Phase.FOLLOW)
+TRUTH_RATE = 100.0
+"""Hz at which the true state is measured against the path."""
+
+
+def summary(
+    plan: Plan, table: Table, truth: Table | None, settle: float, outcome: str, reason: str | None, record: str | None
+) -> Figures:
+    """The JSON of contract ``companion.flight/1``."""
+    told = _told(table)
+    result: Figures = {
+        "schema": "companion.flight/1",
+        "mission": plan.mission.name,
+        "vehicle": plan.vehicle.name,
+        "output": plan.level.value,
+        "outcome": outcome,
+        "reason": reason,
+        "phases": _phases(table),
+        "follow": _figures(told, plan),
+        "settled": _settled(told, plan, settle),
+    }
+    if truth is not None:
+        true = _true(plan, table, truth)
+        result["truth"] = {"follow": _figures(true, plan), "settled": _settled(true, plan, settle)}
+    result["loop"] = _loop(table)
+    result["notes"] = _notes(told, plan)
+    result["record"] = record
+    return result
+
+
+def _told(table: Table) -> dict[str, Array]:
+    """The followed part of a flight, one entry a steered tick. ``t``: s since following began."""
+    rows = table[(table["phase"] == FOLLOW) & np.isfinite(table["alpha"])]
+    columns = {name: np.asarray(rows[name], dtype=float) for name in rows.dtype.names or ()}
+    columns["t"] = columns["t_boot"] - (columns["t_boot"][0] if len(rows) else 0.0)
+    columns["speed_error"] = columns["speed"] - columns["alpha"]
+    columns["roll"] = np.arctan2(
+        2.0 * (columns["q_w"] * columns["q_x"] + columns["q_y"] * columns["q_z"]),
+        1.0 - 2.0 * (columns["q_x"] ** 2 + columns["q_y"] ** 2),
+    )
+    sine = 2.0 * (columns["q_w"] * columns["q_y"] - columns["q_z"] * columns["q_x"])
+    columns["pitch"] = np.arcsin(np.clip(sine, -1.0, 1.0))
+    return columns
+
+
+def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
+    """The same from the plant's true state, while the companion was following."""
+    followed = table[(table["phase"] == FOLLOW) & np.isfinite(table["alpha"])]
+    if len(followed) == 0 or len(truth) == 0:
+        return _nothing()
+    begin, end = followed["t_boot"][0], followed["t_boot"][-1]
+    rows = truth[(truth["t_boot"] >= begin) & (truth["t_boot"] <= end)]
+    if len(rows) > 1:
+        stride = max(1, round(1.0 / TRUTH_RATE / float(np.median(np.diff(rows["t_boot"])))))
+        rows = rows[::stride]
+    collected = []
+    s: float | None = None
+    travelled = 0.0
+    for row in rows:
+        p_n, v_n = _vec3(row["p_n"]), _vec3(row["v_n"])
+        if s is None:
+            s, distance = plan.table.locate(p_n)
+        else:
+            before = s
+            s, distance = plan.table.nearest(p_n, s, 1.0 + 0.2 * math.hypot(*v_n))
+            travelled += plan.direction * plan.table.difference(s, before)
+        point, mu, _ = plan.table.at(s)
+        w, x, y, z = map(float, row["q_nb"])
+        r_nb = rotation_matrix((w, x, y, z))
+        speed = mu[0] * v_n[0] + mu[1] * v_n[1] + mu[2] * v_n[2]
+        alpha = plan.mission.speed_at(point)
+        yaw = math.atan2(r_nb[3], r_nb[0])
+        collected.append(
+            (
+                float(row["t_boot"]) - begin,
+                distance,
+                speed,
+                alpha,
+                speed - alpha,
+                wrap(yaw - plan.mission.yaw_at(point, mu)),
+                travelled,
+                math.atan2(r_nb[7], r_nb[8]),
+                math.asin(max(-1.0, min(1.0, -r_nb[6]))),
+                tilt(r_nb),
+                float(sum(row["rotor_thrusts"])),
+                *map(float, row["commands"]),
+            )
+        )
+    values = np.array(collected).reshape(len(collected), len(_TRUE_COLUMNS))
+    return {name: values[:, i] for i, name in enumerate(_TRUE_COLUMNS)}
+
+
+_TRUE_COLUMNS = (
+    "t", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "roll", "pitch", "tilt", "thrust",
+    "sent_0", "sent_1", "sent_2", "sent_3",
+)  # fmt: skip
+
+
+def _vec3(values: Array) -> Vec3:
+    x, y, z = map(float, values)
+    return (x, y, z)
+
+
+def _nothing() -> dict[str, Array]:
+    return {name: np.zeros(0) for name in _TRUE_COLUMNS}
+
+
+def _figures(flown: dict[str, Array], plan: Plan) -> Figures:
+    t = flown["t"]
+    if len(t) == 0:
+        none = {"rms": None, "max": None}
+        return {
+            "duration_s": 0.0,
+            "distance_m": 0.0,
+            "laps": 0.0,
+            "speed_mean_over_alpha": None,
+            "path_error_m": none,
+            "speed_error_mps": none,
+            "yaw_error_deg": none,
+        }
+    distance = float(flown["travelled"][-1] - flown["travelled"][0])
+    return {
+        "duration_s": float(t[-1] - t[0]),
+        "distance_m": distance,
+        "laps": distance / plan.table.length,
+        "speed_mean_over_alpha": float(np.mean(flown["speed"]) / np.mean(flown["alpha"])),
+        "path_error_m": _size(flown["path_error"]),
+        "speed_error_mps": _size(flown["speed_error"]),
+        "yaw_error_deg": _size(np.degrees(flown["yaw_error"])),
+    }
+
+
+def _size(values: Array) -> dict[str, float]:
+    return {"rms": float(np.sqrt(np.mean(values**2))), "max": float(np.max(np.abs(values)))}
+
+
+def _settled(flown: dict[str, Array], plan: Plan, settle: float) -> Figures:
+    late = {name: values[flown["t"] >= settle] for name, values in flown.items()}
+    figures = _figures(late, plan)
+    if len(late["t"]) == 0:
+        return {
+            **figures,
+            "roll_max_deg": None,
+            "pitch_max_deg": None,
+            "tilt_max_deg": None,
+            "thrust_n": {"min": None, "max": None},
+            "motor": {"min": None, "max": None, "saturated_fraction": None},
+        }
+    return {
+        **figures,
+        "roll_max_deg": float(np.degrees(np.max(np.abs(late["roll"])))),
+        "pitch_max_deg": float(np.degrees(np.max(np.abs(late["pitch"])))),
+        "tilt_max_deg": float(np.degrees(np.max(late["tilt"]))),
+        "thrust_n": {"min": float(np.min(late["thrust"])), "max": float(np.max(late["thrust"]))},
+        "motor": _motor(late, plan),
+    }
+
+
+def _motor(flown: dict[str, Array], plan: Plan) -> Figures:
+    """The commands as fractions of each rotor's range."""
+    if "saturated" in flown and plan.level is not OutputLevel.MOTORS:
+        return {"min": None, "max": None, "saturated_fraction": float(np.mean(flown["saturated"]))}
+    fractions = np.stack(
+        [
+            (flown[f"sent_{i}"] - rotor.command[0]) / (rotor.command[1] - rotor.command[0])
+            for i, rotor in enumerate(plan.vehicle.rotors)
+        ]
+    )
+    at_limit = np.any((fractions <= 1e-6) | (fractions >= 1.0 - 1e-6), axis=0)
+    return {
+        "min": float(np.min(fractions)),
+        "max": float(np.max(fractions)),
+        "saturated_fraction": float(np.mean(at_limit)),
+    }
+
+
+def _phases(table: Table) -> list[Figures]:
+    if len(table) == 0:
+        return []
+    begun = float(table["now"][0])
+    changes = [0, *(np.flatnonzero(np.diff(table["phase"])) + 1)]
+    ends = [*changes[1:], len(table) - 1]
+    return [
+        {
+            "phase": PHASES[table["phase"][begin]].value,
+            "from_s": float(table["now"][begin]) - begun,
+            "to_s": float(table["now"][end]) - begun,
+        }
+        for begin, end in zip(changes, ends, strict=True)
+    ]
+
+
+def _loop(table: Table) -> Figures:
+    """How steadily setpoints went out while following."""
+    sent = table[(table["phase"] == FOLLOW) & (table["setpoint"] > 0)]
+    gaps = np.diff(sent["now"])
+    latency = np.asarray(sent["latency"], dtype=float)
+    latency = latency[np.isfinite(latency)] * 1e6
+    spent = float(np.sum(gaps))
+    return {
+        "ticks": len(sent),
+        "rate_hz": len(gaps) / spent if spent > 0.0 else None,
+        "gap_max_ms": float(np.max(gaps) * 1e3) if len(gaps) else None,
+        "latency_us": (
+            {
+                "p50": float(np.percentile(latency, 50)),
+                "p99": float(np.percentile(latency, 99)),
+                "max": float(np.max(latency)),
+            }
+            if len(latency)
+            else None
+        ),
+    }
+
+
+def _notes(told: dict[str, Array], plan: Plan) -> list[str]:
+    """What a reader should be told in words."""
+    notes = []
+    if plan.level is OutputLevel.MOTORS and len(told["t"]):
+        forces = np.stack([told[f"sent_{i}"] * rotor.thrust_max for i, rotor in enumerate(plan.vehicle.rotors)])
+        if np.min(forces) < 0.0:
+            motor, tick = np.unravel_index(int(np.argmin(forces)), forces.shape)
+            share = float(np.mean(np.any(forces < 0.0, axis=0)))
+            notes.append(
+                f"the motors go negative: least {forces[motor, tick]:.1f} N on motor {motor + 1} at "
+                f"{told['t'][tick]:.2f} s of following ({told['s'][tick]:.1f} m along the path), "
+                f"some motor below zero {100.0 * share:.0f} % of the time; a real rotor only pushes"
+            )
+    return notes
