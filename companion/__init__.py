@@ -1,0 +1,30 @@
+"""A quadrotor that flies a path, not a timetable: an offboard companion for PX4.
+
+The natural way of the data, one tick:
+
+     bytes ─► mavlink.codec ─► mavlink.telemetry ─► VehicleState(t_boot, p_n, v_n, q_nb, w_b)
+                                                       │
+                                  paths: where am I along the path, how far from it
+                                                       │
+       estimation: where it acts ─► steering ◄── law: outputs, feedback, flatness
+                                                       │              flight: whose command counts
+                            allocation: M^-1, limits, what was lost ─► Setpoint
+     bytes ◄─ mavlink.codec ◄─ mavlink.setpoints ◄──────┘
+
+    pilot.step(plan, memory, seen, now) -> (memory, outcome)          pure, and replayed bit for bit
+
+The rooms, each standing on those above it (tests/test_architecture.py holds the table):
+
+    frames       NED and FRD, quaternions, angles                    vehicle     the nouns every room shares
+    calculus     exact derivatives of what a mission writes          geodesy     PX4's own map projection
+    paths        where: implicit curves, arc length, placement       profiles    how fast, facing where (alpha, beta)
+    law          the paper                                           mission     what is to be flown, as values
+    allocation   M and M^-1                                          estimation  what the vehicle does not say
+    steering     state -> setpoint, one file an output level         flight      phases, guards: the state machine
+    plan         a mission made ready to fly                         pilot       one tick
+    world        what a simulated world is                           mavlink     the wire
+    config       files people write -> values                        record      the evidence, and what is made of it
+    daemon       the only sockets and clocks                         cli         the commands
+
+The vehicle's software stand-in is its own package, ``sim_bridge``, with its own derivation of the physics.
+"""

@@ -12,7 +12,7 @@ from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.steering.motors import motor_steering
 from companion.steering.steering import Steering
-from companion.vehicle import OutputLevel, Vehicle
+from companion.vehicle import CompanionError, OutputLevel, Vehicle
 
 RAMP_ACCELERATION = 1.5
 """m/s^2, the steepest rise of the speed at the start."""
@@ -50,6 +50,8 @@ def prepared(
 
     CompanionError: it cannot be flown. Takes tens of milliseconds: do it before the flight.
     """
+    if level is not OutputLevel.MOTORS:
+        raise CompanionError(f"output {level.value} is not built yet")
     placed = mission.placed(origin_n)
     table = placed.path.table
     speeds = [placed.speed_at((float(x), float(y), float(z))) for x, y, z in table.samples(200)[1]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -17,6 +18,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Fly a path, not a timetable: path following for PX4 quadrotors.",
 )
+
+
+class LawOutput(enum.Enum):
+    """``law --output``."""
+
+    MOTORS = "motors"
+    RATES = "rates"
+
 
 MissionName = Annotated[str, typer.Argument(metavar="MISSION", help="A mission file, or a name in configs/missions.")]
 VehicleName = Annotated[
@@ -64,9 +73,88 @@ def sim(
         duration=duration,
         directory=record or new_directory(sortie.mission.name),
         ending=Ending(json, settle),
-        report=False,
     )
     raise typer.Exit((over_udp if udp else in_lockstep)(simulation))
+
+
+@app.command()
+def fly(
+    mission: MissionName,
+    connect: Annotated[str, typer.Option(help="udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD.")],
+    vehicle: VehicleName = None,
+    output: OutputName = Output.AUTO,
+    duration: Duration = None,
+    settle: Settle = 10.0,
+    record: Record = None,
+    json: Json = False,
+) -> None:
+    """Fly a mission on a vehicle. Ctrl-C hands it back."""
+    from companion.cli.finish import Ending
+    from companion.cli.flying import Flight
+    from companion.cli.flying import fly as fly_now
+    from companion.cli.orders import Faults, read_sortie
+    from companion.daemon.address import parsed
+    from companion.record.folder import new_directory
+
+    faults = Faults()
+    open_port = faults.collect(lambda: parsed(connect))
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output))
+    faults.raise_any()
+    assert sortie is not None and open_port is not None
+    directory = record or new_directory(sortie.mission.name)
+    raise typer.Exit(fly_now(Flight(sortie, directory, duration, Ending(json, settle)), open_port()))
+
+
+@app.command()
+def demo(
+    fast: Annotated[bool, typer.Option("--fast", help="In lockstep instead of real time.")] = False,
+    output: OutputName = Output.MOTORS,
+    record: Record = None,
+    json: Json = False,
+) -> None:
+    """Fly the paper's circle (r 10 m, 3 m/s) on an x500, plant and daemon as two processes, and write the report."""
+    from companion.cli.finish import Ending
+    from companion.cli.orders import read_sortie
+    from companion.cli.simulate import Simulation, in_lockstep, over_udp
+    from companion.config.world import load_world
+    from companion.record.folder import new_directory
+
+    sortie = read_sortie("circle_r10", "x500", output, direct=True)
+    simulation = Simulation(
+        sortie=sortie,
+        world=load_world("ideal"),
+        world_name="ideal",
+        seed=0,
+        from_ground=False,
+        duration=30.0,
+        directory=record or new_directory("demo"),
+        ending=Ending(json, 10.0, report=True),
+    )
+    raise typer.Exit((in_lockstep if fast else over_udp)(simulation))
+
+
+@app.command()
+def law(
+    mission: MissionName,
+    vehicle: VehicleName = None,
+    output: Annotated[LawOutput, typer.Option("--output", help="The level of the law.")] = LawOutput.MOTORS,
+) -> None:
+    """The law without a vehicle: states as JSON lines on stdin, xi, b, D and the inputs as JSON lines on stdout."""
+    from companion.cli.bare import answers
+    from companion.cli.orders import read_bare
+    from companion.law.gains import Level
+
+    level = Level.MOTORS if output is LawOutput.MOTORS else Level.RATES
+    read = read_bare(mission, vehicle, level)
+    answers(*read, level, sys.stdin, sys.stdout)
+
+
+@app.command()
+def report(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:
+    """Write the figures and tables of a recorded flight again."""
+    from companion.record.report import write_report
+
+    print(write_report(directory))
 
 
 @app.command()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,10 +19,12 @@ COMPLETED, FAILED, BAD_INPUT, NO_VEHICLE, INTERRUPTED = 0, 1, 2, 3, 130
 
 @dataclass(frozen=True)
 class Ending:
-    """How a flight is told. ``quiet``: stdout is one JSON document. ``settle``: s after which a flight is settled."""
+    """How a flight is told. ``json``: stdout is one JSON document. ``settle``: s after which a flight is settled.
+    ``report``: write the page too."""
 
     json: bool
     settle: float
+    report: bool = False
 
 
 def say(text: str) -> None:
@@ -31,9 +32,7 @@ def say(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def finish(
-    conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bool, report: Callable[[], None] | None
-) -> int:
+def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bool) -> int:
     """Close the record, print the summary; the exit code."""
     recorder.close()
     plan, memory = conductor.plan, conductor.memory
@@ -48,8 +47,10 @@ def finish(
     outcome = "completed" if done else "aborted"
     figures = summary(plan, table, truth, ending.settle, outcome, reason, str(directory))
     write_json(directory / "summary.json", figures)
-    if report is not None:
-        report()
+    if ending.report:
+        from companion.record.report import write_report
+
+        say(f"report: {write_report(directory)}")
     if ending.json:
         print(json.dumps(figures, indent=2))
     else:

@@ -10,9 +10,11 @@ from typing import TypeVar
 
 from companion.config.document import parse
 from companion.config.faults import ConfigError, Fault
-from companion.config.mission import mission_from
+from companion.config.mission import bare_mission_from, mission_from
 from companion.config.places import find, read
-from companion.config.vehicle import vehicle_from
+from companion.config.vehicle import load_vehicle, vehicle_from
+from companion.daemon.address import AddressError
+from companion.law.gains import Level
 from companion.mission import Mission
 from companion.plan import law_level
 from companion.record.folder import Source
@@ -54,7 +56,9 @@ class Faults:
             return read_one()
         except ConfigError as error:
             self._faults += error.faults
-            return None
+        except AddressError as error:
+            self._faults.append(Fault("--connect", 0, "", str(error)))
+        return None
 
     def raise_any(self) -> None:
         """ConfigError, if anything was wrong."""
@@ -86,6 +90,20 @@ def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, 
     assert mission is not None and vehicle is not None and level is not None
     assert mission_text is not None and vehicle_text is not None
     return Sortie(mission, vehicle, level, mission_text, vehicle_text)
+
+
+def read_bare(mission_name: str, vehicle_name: str | None, level: Level) -> tuple[Mission, Vehicle]:
+    """The mission and the vehicle for ``companion law``. ConfigError with the faults of both files."""
+    faults = Faults()
+    mission_text = faults.collect(lambda: _source(mission_name, "missions"))
+    mission = None
+    if mission_text is not None:
+        mission = faults.collect(lambda: bare_mission_from(parse(mission_text.text, mission_text.name), level))
+    named = vehicle_name or (None if mission_text is None else _own_vehicle(mission_text)) or DEFAULT_VEHICLE
+    vehicle = faults.collect(lambda: load_vehicle(named))
+    faults.raise_any()
+    assert mission is not None and vehicle is not None
+    return mission, vehicle
 
 
 def output_level(output: Output, vehicle: Vehicle) -> OutputLevel:

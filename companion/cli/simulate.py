@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from companion.cli.finish import FAILED, NO_VEHICLE, Ending, finish, say
+from companion.cli.finish import NO_VEHICLE, Ending, finish, say
 from companion.cli.lockstep import fly
 from companion.cli.orders import Sortie
 from companion.daemon.address import UdpPort
@@ -45,7 +45,6 @@ class Simulation:
     duration: float | None
     directory: Path
     ending: Ending
-    report: bool
 
 
 def start_of(mission: Mission, held: bool = True) -> Start:
@@ -89,7 +88,7 @@ def in_lockstep(simulation: Simulation) -> int:
                 say(f"{bridge.now:8.2f} s  {line}")
 
         fly(conductor, bridge, watch, OVERHEAD + (simulation.duration or 3600.0))
-    return finish(conductor, recorder, simulation.ending, False, _report(simulation))
+    return finish(conductor, recorder, simulation.ending, False)
 
 
 def over_udp(simulation: Simulation) -> int:
@@ -120,8 +119,8 @@ def over_udp(simulation: Simulation) -> int:
     try:
         stopped = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
     except NoVehicleError as error:
-        recorder.close()
-        print(error)
+        recorder.discard()
+        say(str(error))
         return NO_VEHICLE
     finally:
         plant.terminate()
@@ -131,7 +130,7 @@ def over_udp(simulation: Simulation) -> int:
             plant.kill()
             plant.wait()
         port.close()
-    return finish(conductor, recorder, simulation.ending, stopped, _report(simulation))
+    return finish(conductor, recorder, simulation.ending, stopped)
 
 
 def _orders(simulation: Simulation) -> Orders:
@@ -145,10 +144,3 @@ def _orders(simulation: Simulation) -> Orders:
 def _recorder(simulation: Simulation, epoch: float) -> Recorder:
     sortie = simulation.sortie
     return Recorder(simulation.directory, sortie.mission_source, sortie.vehicle_source, epoch)
-
-
-def _report(simulation: Simulation):  # type: ignore[no-untyped-def]
-    return None
-
-
-__all__ = ["FAILED", "Simulation", "in_lockstep", "over_udp", "start_of"]

@@ -21,7 +21,10 @@ def dotted(key: Key) -> str:
 
 @dataclass(frozen=True, slots=True, order=True)
 class Fault:
-    """One thing that is wrong. ``key`` is empty where the fault is the file's as a whole."""
+    """One thing that is wrong.
+
+    ``key`` is empty where the fault is the file's as a whole; ``line`` is 0 where ``file`` is an option, not a file.
+    """
 
     file: str
     line: int
@@ -29,8 +32,8 @@ class Fault:
     message: str
 
     def __str__(self) -> str:
-        where = f"{self.file}:{self.line}: "
-        return where + (f"{self.key}: " if self.key else "") + self.message
+        where = f"{self.file}:{self.line}" if self.line else self.file
+        return f"{where}: " + (f"{self.key}: " if self.key else "") + self.message
 
 
 class ConfigError(CompanionError):

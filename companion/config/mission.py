@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator
@@ -217,13 +216,11 @@ def load_mission(name: str, level: Level | None) -> Mission:
     return mission_from(parse(read(path), str(path)), level)
 
 
-def load_bare_mission(name: str, level: Level) -> Mission:
+def bare_mission_from(document: Document, level: Level) -> Mission:
     """The mission for ``companion law``: gains are taken as given, and the curve need not close."""
-    path = find(name, "missions")
-    document = parse(read(path), str(path))
     model = validate(document, MissionModel)
     faults: list[Fault] = []
-    mission = _mission(model, Path(path).stem, _gains(document, model.gains, level, faults, check=False))
+    mission = _mission(model, _gains(document, model.gains, level, faults, check=False))
     if faults:
         raise ConfigError(faults)
     return mission
@@ -234,7 +231,7 @@ def mission_from(document: Document, level: Level | None) -> Mission:
     model = validate(document, MissionModel)
     faults: list[Fault] = []
     gains = None if level is None else _gains(document, model.gains, level, faults, check=True)
-    mission = _mission(model, document.file, gains)
+    mission = _mission(model, gains)
     if model.path.near is None and model.start is None:
         faults.append(document.fault(("path", "near"), "missing; expected a point [x, y, z] near the path, in m"))
     else:
@@ -244,7 +241,7 @@ def mission_from(document: Document, level: Level | None) -> Mission:
     return mission
 
 
-def _mission(model: MissionModel, file: str, gains: Gains | None) -> Mission:
+def _mission(model: MissionModel, gains: Gains | None) -> Mission:
     constants = model.path.constants
     names = (*VARIABLES, *constants)
     near = model.path.near or (model.start.position if model.start is not None else [0.0, 0.0, 0.0])

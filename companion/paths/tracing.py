@@ -45,6 +45,9 @@ class _Curve:
     def values(self, p: Vec3) -> tuple[float, ...]:
         try:
             values = self.local(*p)
+        except ZeroDivisionError:
+            what = "the gradients of h1 and h2 are parallel there, or something is divided by zero"
+            raise PathError(f"is not regular at {_place(p)}: {what}") from None
         except (ValueError, ArithmeticError) as error:
             raise PathError(f"h1 or h2 is not defined at {_place(p)}: {error}") from None
         if not math.isfinite(sum(values)):
@@ -108,10 +111,11 @@ def traced(h: PathFunction, near: Vec3) -> ArcTable:
             turned = math.acos(max(-1.0, min(1.0, _dot(here.tangent, there.tangent))))
             tolerance = STRAY_MAX * length + 1e-13 * math.hypot(*there.point)
             if turned > 1.5 * TURN_MAX or stray > tolerance:
-                raise PathError(f"has a corner or crosses itself at {_place(there.point)}; expected a smooth curve")
+                raise PathError("turns too sharply for this step")
         except PathError:
             if step < STEP_MIN:
-                raise
+                what = "there it ends, has a corner, crosses itself, or the gradients of h1 and h2 are parallel"
+                raise PathError(f"cannot be followed past {_place(here.point)}: {what}") from None
             step *= 0.5
             closing = False
             continue

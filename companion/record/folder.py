@@ -101,6 +101,14 @@ class Recorder:
         if self._table is not None:
             self._table.close()
 
+    def discard(self) -> None:
+        """Nothing happened: leave no folder behind that holds nothing."""
+        self.close()
+        for name in ("link.tlog", "mission.yaml", "vehicle.yaml"):
+            (self.directory / name).unlink(missing_ok=True)
+        if not any(self.directory.iterdir()):
+            self.directory.rmdir()
+
 
 def write_json(path: Path, value: Any) -> None:
     """A JSON file for people and programs."""

@@ -1,0 +1,70 @@
+"""``law``: the paper's mathematics, one state a line in, one answer a line out. No limit, clamp, wrap or drag."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterable
+from typing import Any, TextIO
+
+from companion.allocation import Allocation
+from companion.calculus.vectors import Vector
+from companion.law.bare import Answer, LawError, bare_law, state_names
+from companion.law.gains import Level, default_gains
+from companion.law.motion import Model
+from companion.mission import Mission
+from companion.paths.arc import ArcTable
+from companion.paths.tracing import PathError
+from companion.vehicle import Vehicle
+
+
+def answers(mission: Mission, vehicle: Vehicle, level: Level, lines: Iterable[str], out: TextIO) -> None:
+    """Answer every line of JSON that is not blank."""
+    model = Model(vehicle.mass, Vector(*vehicle.inertia), vehicle.gravity)
+    gains = mission.gains if mission.gains is not None else default_gains(level)
+    law = bare_law(mission.specification(1.0), level, model, gains)
+    allocation = Allocation(vehicle)
+    table = _table(mission)
+    for line in lines:
+        if line.strip():
+            out.write(json.dumps(_answer(line, level, law, allocation, table)) + "\n")
+            out.flush()
+
+
+def _table(mission: Mission) -> ArcTable | None:
+    """The traced curve, or None where h1 = h2 = 0 has none: the law itself does not need it."""
+    try:
+        return mission.path.table
+    except PathError as error:
+        print(f"eta is null: the path {error}", file=sys.stderr)
+        return None
+
+
+def _answer(
+    line: str, level: Level, law: Callable[[list[float]], Answer], allocation: Allocation, table: ArcTable | None
+) -> dict[str, Any]:
+    names = state_names(level)
+    try:
+        chi = json.loads(line)["chi"]
+        state = [float(value) for value in chi]
+    except (ValueError, TypeError, KeyError):
+        return {"error": f'not a state: expected {{"chi": [{", ".join(names)}]}}'}
+    if len(state) != len(names):
+        return {"error": f"{len(state)} numbers; expected {len(names)}: {', '.join(names)}"}
+    if not all(map(math.isfinite, state)):
+        return {"error": "a number that is not finite"}
+    try:
+        answer = law(state)
+    except LawError as error:
+        return {"error": str(error)}
+    told: dict[str, Any] = {"xi": answer.xi, "b": answer.b, "D": answer.D}
+    if level is Level.MOTORS:
+        zeta = state[-2]
+        u2, u3, u4 = answer.inputs[1:]
+        told["ubar"] = answer.inputs
+        told["tau"] = allocation.motor_torques((zeta, u2, u3, u4))
+    else:
+        told["u"] = answer.inputs
+    told["eta"] = None if table is None else table.locate((state[0], state[1], state[2]))[0]
+    return told

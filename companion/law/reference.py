@@ -1,0 +1,85 @@
+"""The path following manifold: the state and the inputs of a vehicle that flies the mission exactly (Lemma 4.4).
+
+On the manifold V = mu(X) alpha(X) (Eq. 7) and psi = beta(X); everything else follows by differentiating along that flow
+and by flatness. Lemma 4.4's map with its slips corrected, and with drag.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from companion.calculus.scalar import Scalar, cos, sin
+from companion.calculus.taylor import Gradient, Taylor
+from companion.calculus.vectors import E3, ZERO, Rotation, Vector
+from companion.law.flatness import body_acceleration, body_rates, torques
+from companion.law.implicit import Position, Specification
+from companion.law.motion import Model, Motion
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A point of the manifold. ``X`` m and its derivatives ``V``, ``A``, ``J``, ``S``; ``R``; ``w`` rad/s; ``zeta`` N,
+    ``zeta_dot`` N/s; the inputs there: ``zeta_ddot`` N/s^2 and ``torque`` N m; ``psi`` rad."""
+
+    X: Vector
+    V: Vector
+    A: Vector
+    J: Vector
+    S: Vector
+    R: Rotation
+    w: Vector
+    zeta: Scalar
+    zeta_dot: Scalar
+    zeta_ddot: Scalar
+    torque: Vector
+    psi: Scalar
+
+
+def flow(specification: Specification, X: Vector, order: int) -> tuple[Taylor, Taylor, Taylor]:
+    """The motion X' = mu(X) alpha(X) from ``X`` as series in time, one coefficient from the ones before."""
+    coefficients = [X.components()]
+    for k in range(order):
+        x, y, z = (Taylor(column) for column in zip(*coefficients, strict=True))
+        mu = tangent(specification, (x, y, z))
+        alpha = specification.alpha((x, y, z))
+        speed = [component * alpha for component in mu]
+        a, b, c = ((v.c[k] if isinstance(v, Taylor) else v if k == 0 else 0.0) / (k + 1) for v in speed)
+        coefficients.append((a, b, c))
+    x, y, z = (Taylor(column) for column in zip(*coefficients, strict=True))
+    return x, y, z
+
+
+def tangent(specification: Specification, at: Position) -> Position:
+    """mu (Eq. 7) at a point, or along a motion where the coordinates are series."""
+    x, y, z = at
+    seeded = (Gradient(x, (1.0, 0.0, 0.0)), Gradient(y, (0.0, 1.0, 0.0)), Gradient(z, (0.0, 0.0, 1.0)))
+    grad1, grad2 = (Vector(*h.partials) for h in specification.h(seeded))
+    normal = grad1.cross(grad2)
+    return (normal / normal.norm()).components()
+
+
+def reference(specification: Specification, model: Model, X: Vector) -> Reference:
+    """The point of the manifold over ``X``, a point of the path."""
+    series = flow(specification, X, 4)
+    V, A, J, S = (Vector(*(coordinate.derivative(k) for coordinate in series)) for k in (1, 2, 3, 4))
+    mu = tangent(specification, series)
+    beta = specification.beta(series, mu)
+    psi, psi_dot, psi_ddot = (
+        (beta.derivative(k) if isinstance(beta, Taylor) else beta if k == 0 else 0.0) for k in (0, 1, 2)
+    )
+    force = (E3 * model.g - A - V * model.c) * model.m
+    zeta = force.norm()
+    R = _rotation(force / zeta, psi)
+    level = Motion(X, V, R, ZERO, zeta, 0.0, ZERO)
+    zeta_dot, w = body_rates(model, level, J, A, psi_dot, R.e3.z)
+    motion = Motion(X, V, R, w, zeta, zeta_dot, ZERO)
+    zeta_ddot, w_dot = body_acceleration(model, motion, S, J, psi_ddot, R.e3.z)
+    return Reference(X, V, A, J, S, R, w, zeta, zeta_dot, zeta_ddot, torques(model, w, w_dot), psi)
+
+
+def _rotation(down: Vector, psi: Scalar) -> Rotation:
+    """R whose third column is ``down`` and whose first points, seen from above, to the heading psi."""
+    north, east = cos(psi), sin(psi)
+    forward = Vector(north, east, -(down.x * north + down.y * east) / down.z)
+    forward = forward / forward.norm()
+    return Rotation(forward, down.cross(forward), down)

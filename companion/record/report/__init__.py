@@ -1,0 +1,46 @@
+"""``report.html``: the page one shows to others, from a flight folder.
+
+    evidence    everything the page is made from, whatever is missing from the folder
+    thinning    fewer points to draw, the same picture
+    style       fonts, colours, axes: one hand for every figure
+    svg         a figure as a piece of the page
+    track       figures 1 and 2: from above, and in space
+    errors      figures 3 and 4: G1, G2, G3 over time and along the path
+    motion      figure 5: attitude, thrust and what was sent, as in the paper's Figs. 3 and 4
+    timing      figure 6: the loop
+    timeline    the phases
+    numbers     a number as a reader wants it, and the table of them
+    words       the sentences: what was flown, how it ended
+    page        all of it as one HTML file; page.css is its dress
+
+Only ``track``, ``errors``, ``motion``, ``timing``, ``style`` and ``svg`` need matplotlib, and only here are they imported.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from companion.record.report.evidence import gathered
+from companion.record.report.page import page
+from companion.vehicle import CompanionError
+
+
+def write_report(directory: Path) -> Path:
+    """Write ``report.html`` into a flight folder; its path.
+
+    CompanionError: matplotlib is not installed, or the folder is not a readable flight folder (ConfigError).
+    """
+    try:
+        from companion.record.report import gallery
+    except ImportError as error:
+        if (error.name or "").split(".")[0] not in ("matplotlib", "mpl_toolkits"):
+            raise
+        raise CompanionError("the report draws with matplotlib: pip install 'companion[report]'") from None
+    evidence = gathered(directory)
+    text = page(evidence, gallery.figures(evidence))
+    target = directory / "report.html"
+    target.write_text(text, encoding="utf-8")
+    return target
+
+
+__all__ = ["write_report"]

@@ -1,0 +1,27 @@
+"""The colours of figures and page. Okabe and Ito's set: colour-blind readers tell them apart, and so does grey paper."""
+
+from __future__ import annotations
+
+INK = "#1c2733"
+FAINT = "#5d6b78"
+RULE = "#dde3e8"
+TRUE = "#bccad6"
+"""The true state of a simulated vehicle: wide and pale, under what the companion saw."""
+ROAD = "#d5dde4"
+"""The path: broad and pale, under the track."""
+
+BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072b2", "#d55e00", "#009e73", "#b0578d", "#e69f00", "#56b4e9"
+LINES = (BLUE, VERMILION, GREEN, PURPLE)
+
+PHASES = {
+    "preflight": "#cfd7de",
+    "arm": "#aab6c1",
+    "take off": SKY,
+    "take over": ORANGE,
+    "follow": BLUE,
+    "hand back": "#cc79a7",
+    "land": GREEN,
+    "disarm": "#aab6c1",
+    "abort": VERMILION,
+    "done": "#cfd7de",
+}

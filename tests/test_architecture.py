@@ -1,0 +1,109 @@
+"""The direction of imports: a room stands only on the rooms its row names. Change the table when you mean to."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+MAY_IMPORT: dict[str, str] = {
+    "frames": "",
+    "geodesy": "frames",
+    "calculus": "",
+    "vehicle": "frames",
+    "world": "frames",
+    "paths": "frames calculus vehicle",
+    "profiles": "frames calculus paths",
+    "law": "frames calculus vehicle paths profiles",
+    "mission": "frames calculus paths profiles law",
+    "allocation": "vehicle",
+    "estimation": "frames vehicle",
+    "steering": "frames vehicle law allocation estimation",
+    "flight": "vehicle",
+    "plan": "frames vehicle paths law mission steering",
+    "pilot": "frames vehicle law paths steering flight plan",
+    "mavlink": "frames vehicle",
+    "config": "frames geodesy calculus vehicle world paths profiles law mission",
+    "record": "frames vehicle world paths law mission plan flight pilot mavlink config",
+    "daemon": "frames vehicle flight mission plan pilot mavlink record",
+    "cli": "*",
+}
+SIM_BRIDGE = {"frames", "geodesy", "vehicle", "world", "mavlink"}
+SIM_BRIDGE_SHELL = {"sim_bridge/__main__.py", "sim_bridge/server.py"}
+IMPURE = {"socket", "select", "time", "signal", "threading", "random", "subprocess", "os", "termios", "gc"}
+MAY_BE_IMPURE = {"daemon", "config", "record", "cli"}
+
+
+def imports(path: Path) -> set[str]:
+    """The modules a file imports."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            found.add(node.module)
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def room_of(module: str) -> str | None:
+    parts = module.split(".")
+    return parts[1] if parts[0] == "companion" and len(parts) > 1 and parts[1] in MAY_IMPORT else None
+
+
+COMPANION_FILES = sorted((ROOT / "companion").rglob("*.py"))
+SIM_FILES = sorted((ROOT / "sim_bridge").rglob("*.py"))
+
+
+def room(path: Path) -> str:
+    first = path.relative_to(ROOT / "companion").parts[0]
+    return first.removesuffix(".py")
+
+
+@pytest.mark.parametrize("path", COMPANION_FILES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_room_stands_only_on_the_rooms_of_its_row(path: Path) -> None:
+    here = room(path)
+    if here in ("__init__", "__main__"):
+        return
+    allowed = set(MAY_IMPORT) if MAY_IMPORT[here] == "*" else {here, *MAY_IMPORT[here].split()}
+    used = {room_of(module) for module in imports(path)} - {None}
+    assert used <= allowed, f"{here} may not import {sorted(map(str, used - allowed))}"
+    if here != "cli":
+        assert not any(module.split(".")[0] == "sim_bridge" for module in imports(path))
+
+
+@pytest.mark.parametrize("path", SIM_FILES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_the_plant_shares_no_model_with_the_controller(path: Path) -> None:
+    allowed = SIM_BRIDGE | ({"config"} if str(path.relative_to(ROOT)) in SIM_BRIDGE_SHELL else set())
+    used = {room_of(module) for module in imports(path)} - {None}
+    assert used <= allowed, f"the plant may not import {sorted(map(str, used - allowed))}"
+
+
+@pytest.mark.parametrize("path", COMPANION_FILES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_sockets_clocks_files_and_chance_stay_behind_their_doors(path: Path) -> None:
+    if room(path) in MAY_BE_IMPURE | {"__main__"}:
+        return
+    used = {module.split(".")[0] for module in imports(path)} & IMPURE
+    assert not used, f"{room(path)} may not touch {sorted(used)}"
+
+
+def test_the_table_names_every_room() -> None:
+    rooms = {room(path) for path in COMPANION_FILES} - {"__init__", "__main__"}
+    assert rooms == set(MAY_IMPORT)
+
+
+def test_no_room_is_ever_told_to_stand_on_itself_in_a_circle() -> None:
+    stands_on = {name: set(row.split()) - {"*"} for name, row in MAY_IMPORT.items()}
+    placed: set[str] = set()
+    while len(placed) < len(stands_on):
+        ready = {name for name, below in stands_on.items() if name not in placed and below <= placed}
+        assert ready, f"a circle among {sorted(set(stands_on) - placed)}"
+        placed |= ready
+
+
+def test_nothing_sleeps_in_the_flight() -> None:
+    for path in COMPANION_FILES:
+        assert "time.sleep" not in path.read_text(encoding="utf-8"), path

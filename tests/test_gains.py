@@ -1,0 +1,31 @@
+"""Poles and gains of Eq. (9)."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.law.gains import Level, default_gains, from_poles, poles_of
+
+
+def test_by_hand() -> None:
+    assert from_poles([-2.0] * 4) == (16.0, 32.0, 24.0, 8.0)  # (s + 2)^4
+    assert from_poles([-1.0, -3.0]) == (3.0, 4.0)
+    assert from_poles([-1.5]) == (1.5,)
+
+
+@given(st.lists(st.floats(-9.0, -0.2), min_size=1, max_size=4, unique_by=lambda p: round(p)))
+def test_poles_come_back(poles: list[float]) -> None:
+    found = sorted(root.real for root in poles_of(from_poles(poles)))
+    assert found == pytest.approx(sorted(poles), rel=1e-3, abs=1e-3)
+
+
+def test_defaults_fit_their_level() -> None:
+    assert Level.MOTORS.degrees == (4, 4, 3, 2)
+    assert Level.RATES.degrees == (3, 3, 2, 1)
+    for level in Level:
+        gains = default_gains(level)
+        assert tuple(map(len, gains.each)) == level.degrees
+        for k in gains.each:
+            assert max(root.real for root in poles_of(k)) < 0.0
