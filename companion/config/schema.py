@@ -47,6 +47,7 @@ def _kind(value: Any) -> str:
 
 def _shown(value: Any) -> str:
     text = "nothing" if value is None else repr(value) if isinstance(value, str) else str(value)
+    text = text.lower() if isinstance(value, bool) else text
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -60,7 +61,10 @@ def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) ->
             return document.fault(key, f"missing; expected {expected or 'a value'}")
         case "extra_forbidden":
             siblings = _siblings(model, details["loc"])
-            close = difflib.get_close_matches(str(key[-1]), siblings, 1, cutoff=0.6)
+            given_key = str(key[-1])
+            close = [name for name in siblings if name.startswith(f"{given_key}_")] or difflib.get_close_matches(
+                given_key, siblings, 1, cutoff=0.6
+            )
             hint = f"did you mean {close[0]}?" if close else f"expected one of {', '.join(siblings)}"
             return document.fault(key, f"unknown key; {hint}")
         case "value_error" | "assertion_error":

@@ -1,0 +1,128 @@
+"""The paper's three goals: the errors of G1 (path), G2 (speed), G3 (yaw) over time and over the way along the path."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from companion.record.report.evidence import Array, Evidence, Series
+from companion.record.report.numbers import worded
+from companion.record.report.palette import BLUE, FAINT, TRUE
+from companion.record.report.style import decades, legend, named, ramp_of_colours, spanned, stacked
+from companion.record.report.thinning import kept
+
+DECADES_APART = 30.0
+"""From this ratio of the largest error to the settled one a logarithmic axis reads best."""
+
+
+class Goal(NamedTuple):
+    """An error: the table's column, the factor to its unit, the summary's key, the least worth showing on a logarithmic
+    axis, and the least span of a linear one."""
+
+    name: str
+    unit: str
+    column: str
+    factor: float
+    key: str
+    floor: float
+    span: float
+
+
+GOALS = (
+    Goal("G1  path error", "cm", "path_error", 100.0, "path_error_m", 1e-4, 0.1),
+    Goal("G2  speed error", "m/s", "speed_error", 1.0, "speed_error_mps", 1e-5, 0.02),
+    Goal("G3  yaw error", "deg", "yaw_error", math.degrees(1.0), "yaw_error_deg", 1e-4, 0.1),
+)
+
+
+def over_time(evidence: Evidence) -> Figure:
+    """How fast the errors go away, and what stays."""
+    figure, panels = stacked([1.0, 1.0, 1.0], 5.6)
+    told, true, settled = evidence.told, evidence.true, evidence.settled_from
+    for panel, goal in zip(panels, GOALS, strict=True):
+        seen = goal.factor * told[goal.column]
+        late = seen if settled is None else seen[told["t"] >= settled]
+        rest = float(np.sqrt(np.mean(late**2)))
+        logarithmic = bool(np.max(np.abs(seen)) > DECADES_APART * max(rest, goal.floor))
+        if true is not None:
+            _line(panel, true["t"], goal.factor * true[goal.column], logarithmic, TRUE, 3.4)
+        _line(panel, told["t"], seen, logarithmic, BLUE, 1.1)
+        if logarithmic:
+            size = np.abs(seen[seen != 0.0])
+            decades(panel, max(goal.floor, 0.5 * float(np.percentile(size, 2))), float(np.max(size)))
+        else:
+            low = 0.0 if goal.column == "path_error" else float(np.min(seen))
+            spanned(panel, low, max(float(np.max(seen)), low), goal.span)
+        named(panel, f"{goal.name}, {goal.unit}")
+        if settled is not None:
+            panel.axvline(settled, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)))
+            rms, top = (evidence.number("settled", goal.key, kind) for kind in ("rms", "max"))
+            if rms is not None and top is not None:
+                text = f"settled: rms {worded(goal.factor * rms)}, largest {worded(goal.factor * top)}"
+                panel.set_title(text, loc="right", pad=4, fontsize=8, color=FAINT)
+    if settled is not None:
+        panels[0].annotate(
+            f"settled from {settled:g} s",
+            (settled, 1.0),
+            xytext=(4, -3),
+            xycoords=("data", "axes fraction"),
+            textcoords="offset points",
+            va="top",
+            fontsize=8,
+            color=FAINT,
+        )
+    panels[-1].set_xlabel("time since following began, s")
+    panels[-1].set_xlim(0.0, max(float(told["t"][-1]), 1e-3))
+    return figure
+
+
+def _line(panel: Axes, x: Array, y: Array, logarithmic: bool, colour: str, width: float) -> None:
+    # a logarithmic axis has no zero: what is exactly zero lies below every frame
+    y = np.maximum(np.abs(y), 1e-12) if logarithmic else y
+    chosen = kept(np.log(y) if logarithmic else y)
+    panel.plot(x[chosen], y[chosen], color=colour, linewidth=width)
+
+
+def over_path(evidence: Evidence) -> tuple[Figure, bool]:
+    """Where along the path the errors are, lap over lap; and whether the approach leaves the frame."""
+    figure, panels = stacked([1.0, 1.0, 1.0], 5.6)
+    told, settled = evidence.told, evidence.settled_from
+    laps = _laps(evidence, told)
+    colours = ramp_of_colours("viridis", 0.0, 0.85)
+    labelled = {laps[i][0] for i in np.unique(np.linspace(0, len(laps) - 1, min(5, len(laps))).astype(int))}
+    most = max(lap for lap, _ in laps)
+    leaves = False
+    for panel, goal in zip(panels, GOALS, strict=True):
+        error = goal.factor * told[goal.column]
+        for lap, rows in laps:
+            chosen = rows[kept(error[rows], points=1000)]
+            share = (lap - 1) / max(1, most - 1)
+            x, y = _broken(told["s"][chosen], error[chosen], evidence.plan.table.length)
+            label = f"lap {lap}" if lap in labelled else None
+            panel.plot(x, y, color=colours(share), linewidth=1.1, label=label)
+        late = error if settled is None else error[told["t"] >= settled]
+        low = 0.0 if goal.column == "path_error" else float(np.min(late))
+        spanned(panel, low, max(float(np.max(late)), low), goal.span)
+        bottom, top = panel.get_ylim()
+        leaves = leaves or bool(np.max(error) > top or np.min(error) < bottom)
+        named(panel, f"{goal.name}, {goal.unit}")
+    legend(panels[0], columns=5)
+    panels[-1].set_xlabel("displacement along the path s, m")
+    panels[-1].set_xlim(0.0, evidence.plan.table.length)
+    return figure, leaves
+
+
+def _laps(evidence: Evidence, told: Series) -> list[tuple[int, np.ndarray]]:
+    """(number of the lap, its rows)."""
+    lap = np.floor(np.maximum(told["travelled"] - told["travelled"][0], 0.0) / evidence.plan.table.length).astype(int)
+    return [(int(number) + 1, np.flatnonzero(lap == number)) for number in np.unique(lap)]
+
+
+def _broken(s: Array, error: Array, length: float) -> tuple[Array, Array]:
+    """A curve over s that does not run back across the page where s begins again."""
+    jumps = np.flatnonzero(np.abs(np.diff(s)) > 0.5 * length) + 1
+    return np.insert(s, jumps, np.nan), np.insert(error, jumps, np.nan)

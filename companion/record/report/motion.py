@@ -1,0 +1,156 @@
+"""How it flew: roll and pitch, thrust, and what was sent, as in the paper's Figs. 3 and 4."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from companion.record.report.evidence import Array, Evidence, Series
+from companion.record.report.palette import BLUE, FAINT, INK, LINES, TRUE, VERMILION
+from companion.record.report.style import legend, named, plain, spanned, stacked
+from companion.record.report.thinning import kept
+from companion.vehicle import OutputLevel
+
+DASHED = (0, (3, 1.5))
+
+
+class Window(NamedTuple):
+    """The part of following that is shown, s."""
+
+    begin: float
+    end: float
+
+
+def whole(evidence: Evidence) -> Window:
+    """All of it."""
+    return Window(0.0, float(evidence.told["t"][-1]))
+
+
+def last_lap(evidence: Evidence) -> tuple[Window, bool] | None:
+    """The last lap of the settled part, or all of it where it is shorter (then False); None where nothing settled."""
+    settled, told = evidence.settled_from, evidence.told
+    if settled is None or told["t"][-1] - settled < 0.5:
+        return None
+    end, way = float(told["t"][-1]), told["travelled"]
+    before = np.flatnonzero(way <= way[-1] - evidence.plan.table.length)
+    begin = float(told["t"][before[-1]]) if len(before) else -1.0
+    if begin >= settled:
+        return Window(begin, end), True
+    return Window(settled, end), False
+
+
+def motion(evidence: Evidence, window: Window) -> Figure:
+    """Attitude, thrust, and the motors or the rates, over the window's time."""
+    motors = evidence.plan.level is OutputLevel.MOTORS
+    heights = [1.1, 0.8, 1.2] if motors else [1.0, 0.8, 0.62, 0.62, 0.62]
+    figure, panels = stacked(heights, 5.6 if motors else 6.6)
+    told = _within(evidence.told, window)
+    true = None if evidence.true is None else _within(evidence.true, window)
+    _attitude(panels[0], evidence, told)
+    _thrust(panels[1], evidence, told, true)
+    if motors:
+        _motors(panels[2], evidence, told)
+    else:
+        _rates(panels[2:], evidence, told)
+    panels[-1].set_xlabel("time since following began, s")
+    panels[-1].set_xlim(*window)
+    return figure
+
+
+def _within(series: Series, window: Window) -> Series:
+    rows = (series["t"] >= window.begin) & (series["t"] <= window.end)
+    return {name: values[rows] for name, values in series.items()}
+
+
+def _attitude(panel: Axes, evidence: Evidence, told: Series) -> None:
+    roll, pitch = np.degrees(told["roll"]), np.degrees(told["pitch"])
+    shown = [roll, pitch]
+    if evidence.plan.level is OutputLevel.ATTITUDE:
+        w, x, y, z = (told[f"sent_{i}"] for i in range(4))
+        asked = np.degrees(np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)))
+        asked_pitch = np.degrees(np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0)))
+        _curve(panel, told["t"], asked, INK, "setpoint", 0.8, DASHED)
+        _curve(panel, told["t"], asked_pitch, INK, None, 0.8, DASHED)
+        shown += [asked, asked_pitch]
+    _curve(panel, told["t"], roll, BLUE, "roll \N{GREEK SMALL LETTER PHI}")
+    _curve(panel, told["t"], pitch, VERMILION, "pitch \N{GREEK SMALL LETTER THETA}")
+    named(panel, "Roll and pitch, deg")
+    spanned(panel, *_ends(shown), 1.0)
+    legend(panel)
+
+
+def _thrust(panel: Axes, evidence: Evidence, told: Series, true: Series | None) -> None:
+    weight = evidence.plan.vehicle.weight
+    shown = [told["thrust"], np.array([weight])]
+    if true is not None:
+        _curve(panel, true["t"], true["thrust"], TRUE, "true", 3.4)
+        shown.append(true["thrust"])
+    panel.axhline(weight, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)), label="weight")
+    _curve(panel, told["t"], told["thrust"], BLUE, "sent")
+    named(panel, "Thrust, N")
+    spanned(panel, *_ends(shown), 0.02 * weight)
+    legend(panel)
+
+
+def _motors(panel: Axes, evidence: Evidence, told: Series) -> None:
+    rotors = evidence.plan.vehicle.rotors
+    forces = [told[f"sent_{i}"] * rotor.thrust_max for i, rotor in enumerate(rotors)]
+    for i, force in enumerate(forces):
+        _curve(panel, told["t"], force, LINES[i % len(LINES)], f"motor {i + 1}", 1.1)
+    low, high = _ends(forces)
+    spanned(panel, low, high, 0.02 * max(rotor.thrust_max for rotor in rotors))
+    named(panel, "Motor commands, N")
+    legend(panel)
+    bottom, top = panel.get_ylim()
+    if low < 0.0:
+        panel.axhspan(bottom, 0.0, color=VERMILION, alpha=0.09, linewidth=0)
+        panel.axhline(0.0, color=VERMILION, linewidth=0.8)
+    ceiling = min(rotor.command[1] * rotor.thrust_max for rotor in rotors)
+    if bottom < ceiling < top:
+        panel.axhline(ceiling, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)))
+    if len({rotor.thrust_max for rotor in rotors}) == 1:
+        scale = rotors[0].thrust_max
+        other = panel.secondary_yaxis("right", functions=(lambda force: force / scale, lambda share: share * scale))
+        other.set_ylabel("command", labelpad=4)
+        other.yaxis.set_major_formatter(lambda value, _: plain(value))
+        other.spines["right"].set_visible(False)
+
+
+def _rates(panels: list[Axes], evidence: Evidence, told: Series) -> None:
+    sent = evidence.plan.level is OutputLevel.RATES
+    for i, (panel, axis) in enumerate(zip(panels, "pqr", strict=True)):
+        measured = np.degrees(told[axis])
+        shown = [measured]
+        _curve(panel, told["t"], measured, LINES[i], "measured")
+        if sent:
+            asked = np.degrees(told[f"sent_{i}"])
+            _curve(panel, told["t"], asked, INK, "setpoint", 0.8, DASHED)
+            shown.append(asked)
+        named(panel, f"Body rate {axis}, deg/s")
+        spanned(panel, *_ends(shown), 2.0)
+        if i == 0 and sent:
+            legend(panel)
+
+
+def _curve(
+    panel: Axes,
+    t: Array,
+    y: Array,
+    colour: str,
+    label: str | None = None,
+    width: float = 1.2,
+    style: str | tuple[int, tuple[float, float]] = "-",
+) -> None:
+    chosen = kept(y)
+    panel.plot(t[chosen], y[chosen], color=colour, linewidth=width, linestyle=style, label=label)
+
+
+def _ends(curves: list[Array]) -> tuple[float, float]:
+    values = np.concatenate(curves)
+    values = values[np.isfinite(values)]
+    if len(values) == 0:
+        return 0.0, 0.0
+    return float(np.min(values)), float(np.max(values))
