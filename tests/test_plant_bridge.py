@@ -6,7 +6,6 @@ import hashlib
 import random
 
 import pytest
-from plant_client import ACCEPTED, SET_INTERVAL, Client
 
 from companion.config.vehicle import load_vehicle
 from companion.frames import quaternion_from_euler
@@ -15,6 +14,7 @@ from companion.mavlink.dialect import FORMATS, message
 from companion.mavlink.modes import Mode
 from companion.world import Deviations, Start, World
 from sim_bridge.bridge import Bridge
+from tests.plant_client import ACCEPTED, SET_INTERVAL, Client
 
 PAPER_START = Start(
     (0.0, 10.0, -20.0), (-1.0, 0.0, 0.0), quaternion_from_euler(1.5707963, 0.3926991, 0.3926991), held=True

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from plant_client import ACCEPTED, ARM, LAND, NAN, RETURN, TAKEOFF, Client
 
 from companion.frames import quaternion_from_euler, rotation_matrix, tilt
 from companion.mavlink.modes import Landed, Mode
 from companion.world import Start, World
+from tests.plant_client import ACCEPTED, ARM, LAND, NAN, RETURN, TAKEOFF, Client
 
 VEHICLES = ("x500", "sih", "paper")
 BREEZE = World(wind_n=(3.0, -2.0, 0.0))
@@ -138,10 +138,19 @@ def test_hold_after_the_rotors_were_flown_directly(vehicle: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("start", "highest"), [((6.0, -4.0, -5.0), 14.4), ((0.0, 9.0, -30.0), 30.0), ((25.0, 0.0, -3.0), 60.0)]
+    ("start", "near", "highest"),
+    [
+        ((6.0, -4.0, -5.0), 10.0, 14.4),  # within the acceptance radius: twice the distance
+        ((0.0, 9.0, -30.0), 10.0, 30.0),  # already higher
+        ((25.0, 0.0, -3.0), 10.0, 60.0),  # far
+        ((25.0, 0.0, -3.0), 40.0, 25.0),  # within the cone
+    ],
 )
-def test_return_climbs_as_px4_does_and_lands_at_home(start: tuple[float, float, float], highest: float) -> None:
+def test_return_climbs_as_px4_does_and_lands_at_home(
+    start: tuple[float, float, float], near: float, highest: float
+) -> None:
     client = Client("sih", start=Start.hover(start), endpoints=1)
+    client.bridge.autopilot.parameters["RTL_MIN_DIST"] = near
     client.bridge.autopilot.parameters["COM_DISARM_LAND"] = 0.5
     assert client.command(RETURN, *(NAN,) * 7) == ACCEPTED
     top = 0.0

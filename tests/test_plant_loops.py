@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plant_client import Client
 
 from companion.config.vehicle import load_vehicle
 from companion.config.world import load_world
@@ -21,6 +20,7 @@ from companion.frames import (
     multiply,
     normalised,
     rotation_matrix,
+    tilt,
     to_world,
 )
 from companion.mavlink.modes import Mode
@@ -28,8 +28,12 @@ from companion.vehicle import Rotor, Spin, Vehicle
 from sim_bridge.control.attitude import GAINS, RATE_MAX, YAW_WEIGHT, rates_for
 from sim_bridge.control.filters import ButterworthLowPass, LowPass
 from sim_bridge.control.mixing import Mixer
+from sim_bridge.control.position import THRUST_MIN, TILT_MAX, PositionLoop, Target
+from sim_bridge.control.rates import Axis
 from sim_bridge.control.reference import Pace, Reference, along, arrival_speed, towards
 from sim_bridge.rotors import torque_per_newton
+from sim_bridge.sensors import Estimate
+from tests.plant_client import Client
 
 
 def rate_step(axis: int, vehicle: str = "sih") -> list[float]:
@@ -166,6 +170,74 @@ def test_rotors_that_cannot_turn_the_vehicle_are_refused() -> None:
     rotors = tuple(replace(rotor, spin=Spin.CW) for rotor in load_vehicle("sih").rotors)
     with pytest.raises(ValueError, match="cannot turn the vehicle"):
         Mixer(rotors)
+
+
+def test_yaw_still_answers_at_full_thrust() -> None:
+    mixer = Mixer(load_vehicle("sih").rotors)
+    motors, lost = mixer.mix((0.0, 0.0, 0.1), 1.0)
+    assert lost[2] < 0.03  # a little, at the cost of thrust
+    assert sum(motors) / 4.0 < 0.95
+
+
+def test_the_rate_integral_waits_for_saturation_and_for_wild_errors() -> None:
+    def grown(error: float, lost: float, integrate: bool = True) -> float:
+        axis = Axis(0.15, 0.2, 0.003, 0.004)
+        for _ in range(50):
+            axis.update(0.0, error, lost, integrate)
+        return axis.integral
+
+    steady = 0.2 * 0.5 * 50 * 0.004
+    assert grown(0.5, 0.0) == pytest.approx(steady, rel=0.01)
+    assert grown(0.5, -0.1) == pytest.approx(steady, rel=0.01)
+    assert grown(0.5, 0.1) == grown(-0.5, -0.1) == grown(0.5, 0.0, integrate=False) == 0.0
+    assert grown(5.0, 0.0) < 0.6 * 10.0 * steady
+    assert grown(8.0, 0.0) == 0.0
+    assert grown(2.0, 0.0) < 0.3
+
+
+def still(a_n: Vec3 = (0.0, 0.0, 0.0)) -> Estimate:
+    return Estimate(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), a_n, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0)
+
+
+def commanded(loop: PositionLoop, target: Target, now: Estimate | None = None) -> tuple[Vec3, float]:
+    """The acceleration (m/s^2) a thrust in the attitude that is asked for gives, and the thrust."""
+    attitude, thrust = loop.update(now or still(), target)
+    x, y, z = to_world(rotation_matrix(attitude), (0.0, 0.0, -thrust / 0.5 * 9.81))
+    return (x, y, z + 9.81), thrust
+
+
+STAY = Target((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.7)
+
+
+def test_position_control_at_rest_and_signs() -> None:
+    assert commanded(PositionLoop(0.5, 9.81, 0.008), STAY) == (pytest.approx((0.0, 0.0, 0.0), abs=1e-9), 0.5)
+    for axis, gain in enumerate((0.95 * 1.8, 0.95 * 1.8, 4.0)):
+        place = tuple(0.1 if i == axis else 0.0 for i in range(3))
+        given, _ = commanded(PositionLoop(0.5, 9.81, 0.008), STAY._replace(position=place))
+        assert given == pytest.approx(tuple(gain * p for p in place), abs=1e-6)
+    braking, _ = commanded(PositionLoop(0.5, 9.81, 0.008), STAY, still(a_n=(3.0, 0.0, 0.0)))
+    assert -0.2 < braking[0] < -0.05  # the derivative, through its filter
+    rising, _ = commanded(PositionLoop(0.5, 9.81, 0.008), Target((None,) * 3, (None,) * 3, 0.0, (1.0, 0.0, -2.0)))
+    assert rising == pytest.approx((1.0 * (1.0 + 2.0 / 9.81), 0.0, -2.0), abs=1e-6)
+
+
+def test_the_thrust_vector_stays_within_tilt_and_strength() -> None:
+    loop = PositionLoop(0.5, 9.81, 0.008)
+    for place in ((100.0, 0.0, 0.0), (100.0, -100.0, -100.0), (0.0, 0.0, 100.0)):
+        attitude, thrust = loop.update(still(), STAY._replace(position=place))
+        assert tilt(rotation_matrix(attitude)) <= TILT_MAX + 1e-9
+        assert THRUST_MIN <= thrust <= 1.0 + 1e-9
+
+
+def test_saturation_does_not_wind_the_integrals_up() -> None:
+    loop = PositionLoop(0.5, 9.81, 0.008)
+    for _ in range(600):
+        loop.update(still(), Target((None,) * 3, (12.0, 0.0, 0.0), 0.0))
+    assert abs(commanded(loop, STAY)[0][0]) < 2.0
+    loop = PositionLoop(0.5, 9.81, 0.008)
+    for _ in range(600):
+        loop.update(still(), Target((None,) * 3, (0.0, 0.0, -3.0), 0.0))  # climb, but it does not: thrust at its most
+    assert abs(commanded(loop, STAY)[0][2]) < 6.0
 
 
 def by_the_paper(q: Quaternion, wanted: Quaternion) -> Vec3:

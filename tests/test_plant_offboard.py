@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
-from plant_client import (
+
+from companion.frames import euler_from_rotation, quaternion_from_euler, rotation_matrix
+from companion.mavlink.modes import Mode
+from companion.world import Deviations, Start, World
+from tests.plant_client import (
     ACCEPTED,
     ARM,
     LAND,
@@ -17,10 +21,6 @@ from plant_client import (
     UNSUPPORTED,
     Client,
 )  # fmt: skip
-
-from companion.frames import euler_from_rotation, quaternion_from_euler, rotation_matrix
-from companion.mavlink.modes import Mode
-from companion.world import Deviations, Start, World
 
 TURNING_AIR = World(truth=Deviations(angular_drag=0.025))
 """The air damps the turning, as in PX4's own simulation; without it yaw overshoots."""
@@ -180,6 +180,60 @@ def test_a_stream_that_returns_takes_offboard_back_by_itself() -> None:
         client.run(client.bridge.step_s, each_step)
         assert client.bridge.now - start < 0.2
     assert 0.02 <= client.bridge.now - start <= 0.13
+
+
+def test_a_stream_with_gaps_too_long_flips_in_and_out() -> None:
+    client = in_offboard()
+    client.bridge.autopilot.parameters["COM_OBL_RC_ACT"] = 5
+    flown: list[Mode] = []
+
+    def watch() -> None:
+        if not flown or flown[-1] is not client.flown:
+            flown.append(client.flown)
+
+    for _ in range(3):
+        client.rates(thrust=0.4905)
+        client.run(1.25, watch)
+    assert flown == [Mode.OFFBOARD, Mode.HOLD] * 3
+
+
+def test_a_lost_stream_stays_lost_while_its_last_setpoint_is_old() -> None:
+    client = in_offboard()
+    client.bridge.autopilot.parameters["COM_OBL_RC_ACT"] = 5
+    client.run(1.2)
+    client.bridge.autopilot.parameters["COM_OF_LOSS_T"] = 1.05  # no new setpoint: the age alone decides
+    client.run(0.5)
+    assert client.flown is Mode.HOLD
+
+
+def test_a_demand_of_an_earlier_offboard_is_not_flown_again() -> None:
+    client = in_offboard()
+    client.run(0.2, lambda: client.rates(r=1.0, thrust=0.4905))
+    client.mode(Mode.HOLD)
+    client.run(4.0, lambda: client.rates(r=1.0, thrust=0.4905))
+    client.mode(Mode.OFFBOARD)
+    client.run(0.5)
+    assert client.flown is Mode.OFFBOARD
+    assert client.bridge.truth.w_b[2] == pytest.approx(0.0, abs=0.02)
+
+
+def test_an_ignored_yaw_rate_is_no_demand() -> None:
+    client = in_offboard()
+    client.run(1.0, lambda: client.rates(r=1.0, thrust=0.4905, mask=0x84))
+    assert client.bridge.truth.w_b[2] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_rates_after_motors_begin_without_a_jump() -> None:
+    client = Client("x500", direct=True, endpoints=1)
+    hover = client.bridge.autopilot.cascade.hover
+    client.motors(hover, hover, hover, hover)
+    client.mode(Mode.OFFBOARD)
+    client.run(0.1, lambda: client.motors(1.03 * hover, 0.97 * hover, 0.97 * hover, 1.03 * hover))
+    rolling = client.bridge.truth.w_b[0]
+    assert rolling < -0.3
+    client.rates(p=rolling, thrust=hover)
+    client.bridge.step()
+    assert client.bridge.autopilot.commands == pytest.approx((hover,) * 4, abs=1e-6)
 
 
 def test_the_operators_mode_is_not_undone_by_the_stream() -> None:

@@ -253,11 +253,12 @@ def test_it_leaves_the_ground_when_the_rotors_lift_more_than_it_weighs() -> None
 
 
 def test_a_vehicle_on_its_back_lies_there() -> None:
-    plant = in_the_air(bare(), height=0.5, q_nb=quaternion_from_euler(0.0, 0.0, math.pi))
+    plant = in_the_air(bare(), height=0.5, q_nb=quaternion_from_euler(0.0, 0.0, 2.9))
     for _ in range(500):
         plant.step((1.0, 1.0, 1.0, 1.0))
     assert plant.truth.on_ground
     assert plant.truth.p_n[2] == 0.0
+    assert tilt(rotation_matrix(plant.truth.q_nb)) == pytest.approx(2.9)
 
 
 def test_a_start_below_the_ground_plane_has_no_ground() -> None:

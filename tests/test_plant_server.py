@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from plant_client import Client
 from pymavlink.dialects.v20 import development as mavlink
 
 from companion.world import Start
 from sim_bridge import __main__ as command_line
 from sim_bridge.server import Endpoint, EndpointError, Server, endpoint_of
 from sim_bridge.truth_file import BLOCK, HEADER_SIZE, TruthFile, header
+from tests.plant_client import Client
 
 
 class Peer:
@@ -214,6 +214,23 @@ def test_a_plant_that_is_late_slips_and_says_so() -> None:
     server.close()
     assert time.monotonic() - began > 0.3 + 40 * 0.004  # what was lost is not made up for in a burst
     assert any("the machine is busy; the plant is 0." in line for line in lines)
+
+
+def test_late_steps_follow_at_twice_the_pace_and_not_in_a_burst() -> None:
+    client = Client("sih", endpoints=1)
+    times: list[float] = []
+
+    def late_once() -> None:
+        if len(times) == 10:
+            time.sleep(0.08)
+        times.append(time.monotonic())
+
+    server = Server(
+        client.bridge, [Endpoint(("127.0.0.1", 0), ("127.0.0.1", 9))], log=lambda line: None, after_step=late_once
+    )
+    server.run(lambda: len(times) >= 30)
+    server.close()
+    assert 0.0015 < statistics.median(np.diff(times[11:25])) < 0.0035 or times[-1] - times[0] > 0.3  # a busy machine
 
 
 def test_a_truth_file_says_what_was(tmp_path: Path) -> None:

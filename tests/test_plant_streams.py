@@ -5,7 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
-from plant_client import (
+
+from companion.frames import quaternion_from_euler
+from companion.mavlink.codec import Encoder
+from companion.mavlink.dialect import message
+from companion.world import Home, Link, Start, World
+from tests.plant_client import (
     ACCEPTED,
     DENIED,
     FAILED,
@@ -16,11 +21,6 @@ from plant_client import (
     UNSUPPORTED,
     Client,
 )  # fmt: skip
-
-from companion.frames import quaternion_from_euler
-from companion.mavlink.codec import Encoder
-from companion.mavlink.dialect import message
-from companion.world import Home, Link, Start, World
 
 ONBOARD_HZ = {
     "ATTITUDE": 100, "ATTITUDE_QUATERNION": 50, "GLOBAL_POSITION_INT": 50, "HIGHRES_IMU": 50,
@@ -215,6 +215,8 @@ def test_timesync_and_ping_are_answered_at_once() -> None:
     client.send("PING", time_usec=77, seq=5, target_system=0, target_component=0)
     answer = client.last("PING")
     assert (answer["time_usec"], answer["seq"], answer["target_system"], answer["target_component"]) == (77, 5, 1, 191)
+    client.send("PING", time_usec=78, seq=6)  # an answer to us
+    assert client.last("PING")["seq"] == 5
 
 
 def test_heartbeats_cross_from_link_to_link() -> None:
@@ -227,6 +229,12 @@ def test_heartbeats_cross_from_link_to_link() -> None:
     raw = Encoder(255, 190).message(message("COMMAND_LONG"), command=9999, target_system=1, target_component=1)
     client.bridge.receive(raw, 1)  # for the vehicle alone
     assert [endpoint for endpoint, _ in client.bridge.datagrams()] == [1]
+    raw = Encoder(255, 190).message(message("COMMAND_LONG"), command=9999, target_system=1, target_component=191)
+    client.bridge.receive(raw, 1)  # for a companion nobody has heard of
+    assert client.bridge.datagrams() == []
+    client.send("HEARTBEAT", type=18)
+    client.bridge.receive(raw, 1)
+    assert client.bridge.datagrams() == [(0, raw)]
 
 
 def test_texts_go_only_where_a_ground_station_was_heard_and_in_pieces() -> None:

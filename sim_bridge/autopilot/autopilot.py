@@ -116,7 +116,7 @@ class Autopilot:
         """Notice landing and take-off, run the timers, change modes that end by themselves."""
         commander = self.commander
         throttle = self.cascade.thrust / self.cascade.hover
-        commander.notice_landing(self._landing.update(self.t, contact, throttle, commander.armed), self.t)
+        commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
         commander.update(self.t)

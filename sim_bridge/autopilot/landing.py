@@ -19,14 +19,14 @@ class LandingDetector:
         self._contact_since: float | None = None
         self._low_since: float | None = None
 
-    def update(self, t: float, contact: bool, throttle: float, armed: bool) -> bool:
+    def update(self, t: float, contact: bool, throttle: float) -> bool:
         """The verdict at ``t`` (s). ``contact``: legs on the ground; ``throttle``: thrust over hover thrust."""
         low = throttle < TAKEOFF_THROTTLE
         self._contact_since = None if not contact else t if self._contact_since is None else self._contact_since
         self.touching = self._contact_since is not None and t - self._contact_since >= CONTACT_TIME
         self._low_since = None if not (contact and low) else t if self._low_since is None else self._low_since
         if self.landed:
-            self.landed = contact and (low or not armed)
+            self.landed = contact and low
         else:
             self.landed = contact and self._low_since is not None and t - self._low_since >= LOW_TIME
         return self.landed
