@@ -150,10 +150,10 @@ def _taken_over(s: Situation) -> str | None:
     expected = EXPECTED_MODES.get(s.phase)
     if expected is None or not s.mode_seen or s.status.mode in expected or s.status.mode is None:
         return None
-    if s.status.intended is Mode.OFFBOARD and s.phase is Phase.FOLLOW:
-        return f"the vehicle left OFFBOARD by itself, for {_mode(s)} (a failsafe); it flies itself now"
     if s.status.armed is False:
         return None
+    if s.phase is Phase.FOLLOW and (s.status.failsafe or s.status.intended is Mode.OFFBOARD):
+        return f"the vehicle left OFFBOARD by itself, for {_mode(s)} (a failsafe); it flies itself now"
     return f"the operator took over: the mode is {_mode(s)} now"
 
 

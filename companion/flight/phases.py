@@ -119,6 +119,7 @@ PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
         Phase.ARM: Phase.DISARM,
         Phase.TAKE_OFF: Phase.ABORT,
         Phase.TAKE_OVER: Phase.ABORT,
+        Phase.FOLLOW: Phase.ABORT,
         Phase.HAND_BACK: Phase.ABORT,
         Phase.LAND: Phase.DONE,
         Phase.DISARM: Phase.DONE,

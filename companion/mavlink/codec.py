@@ -82,13 +82,15 @@ class Decoder:
         size = len(data)
         done = 0  # everything before is decoded or counted as garbage
         unfinished = size  # where the first frame begins that runs past the end
-        unknown: tuple[int, int] | None = None  # a frame without a CRC to check: believed when nothing good is inside
+        # a frame without a CRC to check (start, end, sequence, sender): believed when nothing good is inside it
+        unknown: tuple[int, int, int, tuple[int, int]] | None = None
         at = -1
         while True:
             found = _START.search(data, at + 1)
             at = size if found is None else found.start()
             if unknown is not None and at >= unknown[1]:
                 counters.unknown += 1
+                self._follow(unknown[3], unknown[2])
                 if self.tap is not None:
                     self.tap(data[unknown[0] : unknown[1]])
                 counters.garbage_bytes += unknown[0] - done
@@ -120,11 +122,11 @@ class Decoder:
             if fmt is None:
                 fits = end == size or data[end] in (MAGIC_V1, MAGIC_V2)
                 if fits and unknown is None and unfinished == size:
-                    unknown = (at, end)
+                    unknown = (at, end, sequence, (system, component))
                 continue
             check = end - signature - 2
             if not _crc_fits(fmt, data, at, check):
-                counters.bad_crc += 1
+                counters.bad_crc += unknown is None
                 continue
             frames += self._accepted(fmt, data[at:end], sequence, system, component, data[at + header : check])
             counters.garbage_bytes += at - done
@@ -140,11 +142,7 @@ class Decoder:
     ) -> Iterable[Frame]:
         """Count a whole frame, and unpack it where it is wanted."""
         self.counters.frames += 1
-        key = (system, component)
-        last = self._sequence.get(key)
-        if last is not None:
-            self.counters.lost += (sequence - last - 1) & 0xFF
-        self._sequence[key] = sequence
+        self._follow((system, component), sequence)
         if self.tap is not None:
             self.tap(raw)
         if self.wanted is not None and fmt.id not in self.wanted:
@@ -152,6 +150,13 @@ class Decoder:
         # MAVLink 2 cuts trailing zeros off; a newer sender may know more fields than we do
         values = fmt.unpack(payload.ljust(fmt.size, b"\0")[: fmt.size])
         return (Frame(fmt, system, component, values, raw),)
+
+    def _follow(self, sender: tuple[int, int], sequence: int) -> None:
+        """Count what is missing between a sender's last frame and this one."""
+        last = self._sequence.get(sender)
+        if last is not None:
+            self.counters.lost += (sequence - last - 1) & 0xFF
+        self._sequence[sender] = sequence
 
 
 def _crc_fits(fmt: Format, data: bytes, start: int, check: int) -> bool:

@@ -187,8 +187,9 @@ class Link:
             self._setting_up = _Pending(self._set_up[0], now)
             self._command(self._set_up[0], 0)
         elif self._setting_up is not None and now >= self._setting_up.sent_at + RETRY_UNANSWERED:
-            self._setting_up = _Pending(self._set_up[0], now, self._setting_up.tries + 1)
-            self._command(self._set_up[0], min(self._setting_up.tries, 255))
+            tries = self._setting_up.tries
+            self._setting_up = _Pending(self._set_up[0], now, tries + 1)
+            self._command(self._set_up[0], min(tries, 255))
 
     def next_timer(self) -> float:
         """When ``on_timer`` has something to do."""

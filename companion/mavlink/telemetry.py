@@ -47,6 +47,8 @@ class Telemetry:
         self.status = self.status._replace(
             armed=armed,
             mode=mode,
+            # whose intention a new mode is, only CURRENT_MODE says
+            intended=self.status.intended if mode is self.status.mode else None,
             ready=system_status in (STANDBY, ACTIVE, CRITICAL),
             failsafe=system_status == CRITICAL,
         )
