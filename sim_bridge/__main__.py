@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import typer
 
@@ -17,10 +17,10 @@ from companion.config.document import parse
 from companion.config.faults import ConfigError, Fault
 from companion.config.vehicle import load_vehicle
 from companion.config.world import load_world, start_from
-from companion.vehicle import CompanionError
-from companion.world import Start
-from sim_bridge.bridge import HOVER, Bridge
-from sim_bridge.server import COMPANION, GROUND_STATION, EndpointError, Server, endpoint_of
+from companion.vehicle import CompanionError, Vehicle
+from companion.world import Start, World
+from sim_bridge.bridge import Bridge
+from sim_bridge.server import COMPANION, GROUND_STATION, Endpoint, EndpointError, Server, endpoint_of
 from sim_bridge.truth_file import TruthFile
 
 
@@ -60,29 +60,43 @@ def fly(
     truth: Annotated[Path | None, typer.Option(help="Write the true state of every step to this .npy file.")] = None,
 ) -> None:
     """A quadrotor made of software that speaks MAVLink as PX4 does. Ctrl-C ends it."""
-    try:
-        raise typer.Exit(_run(vehicle, world, connect, ground_station, seed, speed, motors, landed, start, truth))
-    except (CompanionError, ValueError, OSError) as error:
-        print(error, file=sys.stderr)
-        raise typer.Exit(2) from None
+    with contextlib.ExitStack() as stack:
+        try:
+            inputs = _inputs(vehicle, world, connect, ground_station, start)
+            bridge, server = _prepared(stack, inputs, seed, speed, motors, landed, truth)
+        except (CompanionError, ValueError, OSError) as error:
+            print(error, file=sys.stderr)
+            raise typer.Exit(2) from None
+        number = _run_until_a_signal(server)
+    for name, counters in zip(("companion", "ground station"), bridge.counters, strict=False):
+        say(
+            f"{name}: {counters.frames} messages, {counters.bad_crc} damaged, {counters.garbage_bytes} bytes of garbage"
+        )
+    raise typer.Exit(130 if number == signal.SIGINT else 0)
 
 
-def _run(
-    vehicle: str, world: str, connect: str | None, ground_station: str | None, seed: int, speed: float,
-    motors: Motors | None, landed: bool, start: str | None, truth: Path | None,
-) -> int:  # fmt: skip
-    """Fly until a signal comes; the exit code."""
+class Inputs(NamedTuple):
+    """What the files and options say."""
+
+    vehicle: Vehicle
+    world: World
+    start: Start | None
+    endpoints: list[Endpoint]
+
+
+def _inputs(
+    vehicle: str, world: str, connect: str | None, ground_station: str | None, start: str | None
+) -> Inputs:  # fmt: skip
+    """Read everything. ConfigError with the faults of all of it."""
     faults: list[Fault] = []
-    machine = surroundings = None
-    begins: Start | None = None if landed else HOVER
+    machine = surroundings = begins = None
     endpoints = [COMPANION, GROUND_STATION]
     with _collecting(faults):
         machine = load_vehicle(vehicle)
     with _collecting(faults):
         surroundings = load_world(world)
     with _collecting(faults):
-        if start is not None:
-            begins = start_from(parse(start, "--start"))
+        begins = None if start is None else start_from(parse(start, "--start"))
     with _collecting(faults, "--connect"):
         if connect is not None:
             endpoints[0] = endpoint_of(connect)
@@ -93,32 +107,39 @@ def _run(
             endpoints[1] = endpoint_of(ground_station)
     if machine is None or surroundings is None or faults:
         raise ConfigError(faults)
+    return Inputs(machine, surroundings, begins, endpoints)
+
+
+def _prepared(
+    stack: contextlib.ExitStack, inputs: Inputs, seed: int, speed: float, motors: Motors | None, landed: bool,
+    truth: Path | None,
+) -> tuple[Bridge, Server]:  # fmt: skip
+    """The bridge and its server, the sockets and the truth file open until ``stack`` is left."""
+    vehicle, world, start, endpoints = inputs
     bridge = Bridge(
-        machine, surroundings, seed=seed, direct=motors is Motors.DIRECT, start=begins, landed=begins is None,
+        vehicle, world, seed=seed, direct=motors is Motors.DIRECT, start=start, landed=landed and start is None,
         endpoints=len(endpoints),
     )  # fmt: skip
+    record = None if truth is None else stack.enter_context(TruthFile(truth))
+    after = None if record is None else lambda: record.append(bridge.truth, bridge.autopilot.commands)
     mixing = "motor commands taken" if bridge.direct else "motors mixed as in PX4"
-    say(f"{machine.name} in {surroundings.name}, {round(1.0 / bridge.step_s)} steps a second, {mixing}")
-    with contextlib.ExitStack() as stack:
-        record = None
-        if truth is not None:
-            record = stack.enter_context(TruthFile(truth))
-        after = None if record is None else lambda: record.append(bridge.truth, bridge.autopilot.commands)
-        server = Server(bridge, endpoints, speed=speed, log=say, after_step=after)
-        stack.callback(server.close)
-        received: list[int] = []
+    say(f"{vehicle.name} in {world.name}, {round(1.0 / bridge.step_s)} steps a second, {mixing}")
+    server = Server(bridge, endpoints, speed=speed, log=say, after_step=after)
+    stack.callback(server.close)
+    return bridge, server
 
-        def stop(number: int, frame: FrameType | None) -> None:
-            received.append(number)
 
-        signal.signal(signal.SIGINT, stop)
-        signal.signal(signal.SIGTERM, stop)
-        server.run(lambda: bool(received))
-    for name, counters in zip(("companion", "ground station"), bridge.counters, strict=False):
-        say(
-            f"{name}: {counters.frames} messages, {counters.bad_crc} damaged, {counters.garbage_bytes} bytes of garbage"
-        )
-    return 130 if received[0] == signal.SIGINT else 0
+def _run_until_a_signal(server: Server) -> int:
+    """Run the server; the signal that ended it."""
+    received: list[int] = []
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        received.append(number)
+
+    signal.signal(signal.SIGINT, stop)
+    signal.signal(signal.SIGTERM, stop)
+    server.run(lambda: bool(received))
+    return received[0]
 
 
 @contextlib.contextmanager

@@ -61,6 +61,12 @@ class Bridge:
         self._memory = sensors.Memory()
         self.direct = direct or vehicle.motors is MotorInterface.DIRECT
         self.plant = Plant(vehicle, world, self._per_second)
+        weight, lift = self.plant.vehicle.weight, self.plant.vehicle.thrust_max
+        if weight >= lift:
+            message = (
+                f"{vehicle.name} in world {world.name} weighs {weight:.4g} N and its rotors lift {lift:.4g} N at most"
+            )
+            raise ValueError(f"{message}; expected it to be able to fly")
         self.autopilot = Autopilot(
             self.plant.vehicle,
             world.home,

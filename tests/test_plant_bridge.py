@@ -72,6 +72,11 @@ def test_a_machine_that_is_not_what_its_file_says_hovers_too() -> None:
     assert client.bridge.truth.thrust == pytest.approx(2.4 * 9.80665)
 
 
+def test_a_world_too_heavy_to_fly_in_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"x500 in world ideal weighs 39.23 N and its rotors lift 34.19 N at most"):
+        Client("x500", World(truth=Deviations(mass=4.0)))
+
+
 def test_time_is_a_count_of_steps() -> None:
     client = Client("paper", endpoints=1)
     for _ in range(12_345):

@@ -233,6 +233,19 @@ def test_late_steps_follow_at_twice_the_pace_and_not_in_a_burst() -> None:
     assert 0.0015 < statistics.median(np.diff(times[11:25])) < 0.0035 or times[-1] - times[0] > 0.3  # a busy machine
 
 
+def test_speed_is_kept_and_never_exceeded() -> None:
+    took = []
+    for _ in range(3):
+        client = Client("sih", endpoints=1)
+        server = Server(client.bridge, [Endpoint(("127.0.0.1", 0), None)], speed=8.0, log=lambda line: None)
+        began = time.monotonic()
+        server.run(lambda bridge=client.bridge: bridge.now >= 0.4)
+        took.append(time.monotonic() - began)
+        server.close()
+    assert min(took) > 0.4 / 8.0 - 0.001
+    assert min(took) < 0.4 / 2.0
+
+
 def test_a_truth_file_says_what_was(tmp_path: Path) -> None:
     client = Client("x500", start=Start((0.0, 0.0, -5.0), (1.0, 2.0, 3.0)))
     path = tmp_path / "truth.npy"
