@@ -5,7 +5,7 @@ commander   armed or not, which mode, what to do when something is lost: no I/O,
 landing     whether the vehicle is on the ground
 setpoints   offboard setpoints as PX4 reads them
 guidance    what the automatic modes fly
-pilot       one step: estimate in, motor commands out
+autopilot   one step: estimate in, motor commands out
 messages    what the vehicle says, message by message
 streams     when it says it
 commands    what it answers to commands
