@@ -113,8 +113,8 @@ def test_signals_end_it_cleanly(peer: Peer, tmp_path: Path, number: signal.Signa
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--vehicle", "nothing"], "nothing:1: no vehicle of this name"),
-        (["--world", "nowhere"], "nowhere:1: no world of this name"),
+        (["--vehicle", "nothing"], "no vehicle of this name"),
+        (["--world", "nowhere"], "no world of this name"),
         (["--connect", "tcp://1.2.3.4:5"], "--connect:1: 'tcp://1.2.3.4:5' is no connection the plant can make"),
         (["--connect", "udpin://127.0.0.1"], "names no host and port"),
         (["--connect", "udpin://127.0.0.1:99999"], "has no port between 1 and 65535"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import sys
@@ -10,6 +11,7 @@ from typing import Any, TextIO
 
 from companion.allocation import Allocation
 from companion.calculus.vectors import Vector
+from companion.frames import Vec3
 from companion.law.bare import Answer, LawError, bare_law, state_names
 from companion.law.gains import Level, default_gains
 from companion.law.motion import Model
@@ -25,24 +27,37 @@ def answers(mission: Mission, vehicle: Vehicle, level: Level, lines: Iterable[st
     gains = mission.gains if mission.gains is not None else default_gains(level)
     law = bare_law(mission.specification(1.0), level, model, gains)
     allocation = Allocation(vehicle)
-    table = _table(mission)
+    curve = _Curve(mission)
     for line in lines:
         if line.strip():
-            out.write(json.dumps(_answer(line, level, law, allocation, table)) + "\n")
+            out.write(json.dumps(_answer(line, level, law, allocation, curve)) + "\n")
             out.flush()
 
 
-def _table(mission: Mission) -> ArcTable | None:
-    """The traced curve, or None where h1 = h2 = 0 has none: the law itself does not need it."""
-    try:
-        return mission.path.table
-    except PathError as error:
-        print(f"eta is null: the path {error}", file=sys.stderr)
-        return None
+class _Curve:
+    """The traced curve, where h1 = h2 = 0 has one: the law itself does not need it."""
+
+    def __init__(self, mission: Mission) -> None:
+        self._path = mission.path
+        self._table: ArcTable | None = None
+        self._traced = False
+
+    def eta(self, p_n: Vec3) -> float | None:
+        """The arc length next to a point. A mission that names no point near the path means the one near the first."""
+        if not self._traced:
+            self._traced = True
+            path = self._path
+            if path.near is None:
+                path = dataclasses.replace(path, near=path.placement.to_mission(p_n))
+            try:
+                self._table = path.table
+            except PathError as error:
+                print(f"eta is null: the path {error}", file=sys.stderr)
+        return None if self._table is None else self._table.locate(p_n)[0]
 
 
 def _answer(
-    line: str, level: Level, law: Callable[[list[float]], Answer], allocation: Allocation, table: ArcTable | None
+    line: str, level: Level, law: Callable[[list[float]], Answer], allocation: Allocation, curve: _Curve
 ) -> dict[str, Any]:
     names = state_names(level)
     try:
@@ -66,5 +81,5 @@ def _answer(
         told["tau"] = allocation.motor_torques((zeta, u2, u3, u4))
     else:
         told["u"] = answer.inputs
-    told["eta"] = None if table is None else table.locate((state[0], state[1], state[2]))[0]
+    told["eta"] = curve.eta((state[0], state[1], state[2]))
     return told

@@ -232,7 +232,7 @@ def mission_from(document: Document, level: Level | None) -> Mission:
     faults: list[Fault] = []
     gains = None if level is None else _gains(document, model.gains, level, faults, check=True)
     mission = _mission(model, gains)
-    if model.path.near is None and model.start is None:
+    if mission.path.near is None:
         faults.append(document.fault(("path", "near"), "missing; expected a point [x, y, z] near the path, in m"))
     else:
         faults += _along(document, mission)
@@ -244,12 +244,12 @@ def mission_from(document: Document, level: Level | None) -> Mission:
 def _mission(model: MissionModel, gains: Gains | None) -> Mission:
     constants = model.path.constants
     names = (*VARIABLES, *constants)
-    near = model.path.near or (model.start.position if model.start is not None else [0.0, 0.0, 0.0])
+    near = model.path.near or (model.start.position if model.start is not None else None)
     placement = Placement(turn=math.radians(model.rotate_deg), enu=model.frame == "enu")
     path = ImplicitPath(
         h1=parse_expression(model.path.h1, names),
         h2=parse_expression(model.path.h2, names),
-        near=_triple(near),
+        near=None if near is None else _triple(near),
         constants=constants,
         placement=placement,
     )

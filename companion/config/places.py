@@ -19,12 +19,12 @@ def find(name: str, kind: str) -> Path:
     path = Path(name)
     if path.suffix or len(path.parts) != 1:
         if not path.is_file():
-            raise ConfigError([Fault(name, 1, "", f"no such file; expected a {kind[:-1]} file (YAML)")])
+            raise ConfigError([Fault(name, 0, "", f"no such file; expected a {kind[:-1]} file (YAML)")])
         return path
     shipped = SHIPPED / kind / f"{name}.yaml"
     if not shipped.is_file():
         known = ", ".join(names(kind))
-        raise ConfigError([Fault(name, 1, "", f"no {kind[:-1]} of this name; expected a path, or one of {known}")])
+        raise ConfigError([Fault(name, 0, "", f"no {kind[:-1]} of this name; expected a path, or one of {known}")])
     return shipped
 
 

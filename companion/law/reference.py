@@ -55,7 +55,8 @@ def tangent(specification: Specification, at: Position) -> Position:
     seeded = (Gradient(x, (1.0, 0.0, 0.0)), Gradient(y, (0.0, 1.0, 0.0)), Gradient(z, (0.0, 0.0, 1.0)))
     grad1, grad2 = (Vector(*h.partials) for h in specification.h(seeded))
     normal = grad1.cross(grad2)
-    return (normal / normal.norm()).components()
+    mu: Vector = normal / normal.norm()
+    return mu.components()
 
 
 def reference(specification: Specification, model: Model, X: Vector) -> Reference:

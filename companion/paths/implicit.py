@@ -11,7 +11,7 @@ from companion.calculus.scalar import Scalar
 from companion.frames import Vec3
 from companion.paths.arc import ArcTable
 from companion.paths.placement import Placement
-from companion.paths.tracing import traced
+from companion.paths.tracing import PathError, traced
 
 VARIABLES = ("x", "y", "z")
 
@@ -19,11 +19,11 @@ VARIABLES = ("x", "y", "z")
 @dataclass(frozen=True)
 class ImplicitPath:
     """``h1``, ``h2``: expressions in x, y, z of the mission and ``constants``. ``near``: a point of the mission near
-    the component that is meant."""
+    the component that is meant; None where only the law is wanted."""
 
     h1: Expression
     h2: Expression
-    near: Vec3
+    near: Vec3 | None
     constants: Mapping[str, float] = field(default_factory=dict)
     placement: Placement = field(default_factory=Placement)
 
@@ -40,4 +40,6 @@ class ImplicitPath:
     def table(self) -> ArcTable:
         """The curve in the vehicle's local frame, its arc length counted along mu from the point nearest to ``near``.
         PathError: h1 = h2 = 0 is no path there."""
+        if self.near is None:
+            raise PathError("is not known to lie anywhere: no point near it is given")
         return traced(self.h, self.placement.to_local(self.near))

@@ -46,8 +46,10 @@ class Recorder:
     epoch: float
     _tlog: TlogWriter = field(init=False)
     _table: TableWriter | None = field(init=False, default=None)
+    _made: list[Path] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
+        self._made = [path for path in (self.directory, *self.directory.parents) if not path.exists()]
         self.directory.mkdir(parents=True, exist_ok=True)
         for stale in ("flight.npy", "truth.npy", "summary.json", "report.html", "resolved.json"):
             (self.directory / stale).unlink(missing_ok=True)
@@ -106,8 +108,9 @@ class Recorder:
         self.close()
         for name in ("link.tlog", "mission.yaml", "vehicle.yaml"):
             (self.directory / name).unlink(missing_ok=True)
-        if not any(self.directory.iterdir()):
-            self.directory.rmdir()
+        for path in self._made:
+            if not any(path.iterdir()):
+                path.rmdir()
 
 
 def write_json(path: Path, value: Any) -> None:

@@ -1,0 +1,29 @@
+# make demo   fly the paper's circle and write a report       make test   run every test
+# make lint   ruff and mypy                                    make bench  the measurements of docs/measured.md
+
+PYTHON ?= python3
+BIN := .venv/bin
+
+demo: .venv/installed-report
+	$(BIN)/companion demo
+
+test: .venv/installed-test
+	$(BIN)/python -m pytest
+
+lint: .venv/installed-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: .venv/installed-test
+	for script in bench/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+.venv/installed-%: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable '.[$*]'
+	touch $@
+
+clean:
+	rm -rf .venv flights
+
+.PHONY: demo test lint bench clean
