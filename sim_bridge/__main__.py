@@ -150,7 +150,7 @@ def _collecting(faults: list[Fault], option: str = "") -> Iterator[None]:
     except ConfigError as error:
         faults.extend(error.faults)
     except EndpointError as error:
-        faults.append(Fault(option, 1, "", str(error)))
+        faults.append(Fault(option, 0, "", str(error)))
 
 
 def main() -> None:

@@ -115,10 +115,10 @@ def test_signals_end_it_cleanly(peer: Peer, tmp_path: Path, number: signal.Signa
     [
         (["--vehicle", "nothing"], "no vehicle of this name"),
         (["--world", "nowhere"], "no world of this name"),
-        (["--connect", "tcp://1.2.3.4:5"], "--connect:1: 'tcp://1.2.3.4:5' is no connection the plant can make"),
+        (["--connect", "tcp://1.2.3.4:5"], "--connect: 'tcp://1.2.3.4:5' is no connection the plant can make"),
         (["--connect", "udpin://127.0.0.1"], "names no host and port"),
         (["--connect", "udpin://127.0.0.1:99999"], "has no port between 1 and 65535"),
-        (["--ground-station", "udpout://:14550"], "--ground-station:1: 'udpout://:14550' names no host and port"),
+        (["--ground-station", "udpout://:14550"], "--ground-station: 'udpout://:14550' names no host and port"),
         (["--start", '{"position_n": [1, 2]}'], "--start:1: position_n: 2 of them; expected at least 3"),
         (["--start", '{"position_n": [1, 2, 3], "q_nb": [1, 1, 0, 0]}'], "expected a unit quaternion"),
         (["--start", "{"], "--start:1: not valid YAML"),
