@@ -1,19 +1,24 @@
 """``report.html``: the page one shows to others, from a flight folder.
 
     evidence    everything the page is made from, whatever is missing from the folder
+    places      the path and the track as rows of east, north, up
     thinning    fewer points to draw, the same picture
-    style       fonts, colours, axes: one hand for every figure
+    palette     the colours
+    style       type, lines, axes: one hand for every figure
+    colouring   a track in the colours of a quantity
     svg         a figure as a piece of the page
-    track       figures 1 and 2: from above, and in space
+    above       figure 1: from above
+    space       figure 2: in space
     errors      figures 3 and 4: G1, G2, G3 over time and along the path
-    motion      figure 5: attitude, thrust and what was sent, as in the paper's Figs. 3 and 4
-    timing      figure 6: the loop
+    motion      figures 5 and 6: attitude, thrust and what was sent, as in the paper's Figs. 3 and 4
+    timing      figures 7 and 8: the loop
+    gallery     the figures in their order, with their captions (pictures: what it hands on)
     timeline    the phases
     numbers     a number as a reader wants it, and the table of them
     words       the sentences: what was flown, how it ended
     page        all of it as one HTML file; page.css is its dress
 
-Only ``track``, ``errors``, ``motion``, ``timing``, ``style`` and ``svg`` need matplotlib, and only here are they imported.
+Only ``gallery`` and what it draws with need matplotlib, and only here is it imported.
 """
 
 from __future__ import annotations

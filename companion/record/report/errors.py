@@ -12,30 +12,31 @@ from matplotlib.figure import Figure
 from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.numbers import worded
 from companion.record.report.palette import BLUE, FAINT, TRUE
-from companion.record.report.style import decades, legend, named, ramp_of_colours, spanned, stacked
+from companion.record.report.style import along_x, decades, from_zero, legend, named, ramp_of_colours, spanned, stacked
 from companion.record.report.thinning import kept
 
-DECADES_APART = 30.0
+DECADES_APART = 100.0
 """From this ratio of the largest error to the settled one a logarithmic axis reads best."""
 
 
 class Goal(NamedTuple):
-    """An error: the table's column, the factor to its unit, the summary's key, the least worth showing on a logarithmic
-    axis, and the least span of a linear one."""
+    """An error: the table's column and the factor to its unit, the summary's key and the same, the least worth showing
+    on a logarithmic axis, and the least span of a linear one."""
 
     name: str
     unit: str
     column: str
     factor: float
     key: str
+    key_factor: float
     floor: float
     span: float
 
 
 GOALS = (
-    Goal("G1  path error", "cm", "path_error", 100.0, "path_error_m", 1e-4, 0.1),
-    Goal("G2  speed error", "m/s", "speed_error", 1.0, "speed_error_mps", 1e-5, 0.02),
-    Goal("G3  yaw error", "deg", "yaw_error", math.degrees(1.0), "yaw_error_deg", 1e-4, 0.1),
+    Goal("G1  path error", "cm", "path_error", 100.0, "path_error_m", 100.0, 1e-4, 0.1),
+    Goal("G2  speed error", "m/s", "speed_error", 1.0, "speed_error_mps", 1.0, 1e-5, 0.02),
+    Goal("G3  yaw error", "deg", "yaw_error", math.degrees(1.0), "yaw_error_deg", 1.0, 1e-4, 0.1),
 )
 
 
@@ -52,17 +53,15 @@ def over_time(evidence: Evidence) -> Figure:
             _line(panel, true["t"], goal.factor * true[goal.column], logarithmic, TRUE, 3.4)
         _line(panel, told["t"], seen, logarithmic, BLUE, 1.1)
         if logarithmic:
-            size = np.abs(seen[seen != 0.0])
-            decades(panel, max(goal.floor, 0.5 * float(np.percentile(size, 2))), float(np.max(size)))
+            decades(panel, max(goal.floor, 0.3 * rest), float(np.max(np.abs(seen))))
         else:
-            low = 0.0 if goal.column == "path_error" else float(np.min(seen))
-            spanned(panel, low, max(float(np.max(seen)), low), goal.span)
+            _linear(panel, goal, seen)
         named(panel, f"{goal.name}, {goal.unit}")
         if settled is not None:
             panel.axvline(settled, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)))
             rms, top = (evidence.number("settled", goal.key, kind) for kind in ("rms", "max"))
             if rms is not None and top is not None:
-                text = f"settled: rms {worded(goal.factor * rms)}, largest {worded(goal.factor * top)}"
+                text = f"settled: rms {worded(goal.key_factor * rms)}, largest {worded(goal.key_factor * top)}"
                 panel.set_title(text, loc="right", pad=4, fontsize=8, color=FAINT)
     if settled is not None:
         panels[0].annotate(
@@ -75,9 +74,15 @@ def over_time(evidence: Evidence) -> Figure:
             fontsize=8,
             color=FAINT,
         )
-    panels[-1].set_xlabel("time since following began, s")
-    panels[-1].set_xlim(0.0, max(float(told["t"][-1]), 1e-3))
+    along_x(panels[-1], "time since following began, s", 0.0, max(float(told["t"][-1]), 1e-3))
     return figure
+
+
+def _linear(panel: Axes, goal: Goal, values: Array) -> None:
+    if goal.column == "path_error":
+        from_zero(panel, float(np.max(values)), goal.span)
+    else:
+        spanned(panel, float(np.min(values)), float(np.max(values)), goal.span)
 
 
 def _line(panel: Axes, x: Array, y: Array, logarithmic: bool, colour: str, width: float) -> None:
@@ -105,14 +110,12 @@ def over_path(evidence: Evidence) -> tuple[Figure, bool]:
             label = f"lap {lap}" if lap in labelled else None
             panel.plot(x, y, color=colours(share), linewidth=1.1, label=label)
         late = error if settled is None else error[told["t"] >= settled]
-        low = 0.0 if goal.column == "path_error" else float(np.min(late))
-        spanned(panel, low, max(float(np.max(late)), low), goal.span)
+        _linear(panel, goal, late)
         bottom, top = panel.get_ylim()
         leaves = leaves or bool(np.max(error) > top or np.min(error) < bottom)
         named(panel, f"{goal.name}, {goal.unit}")
     legend(panels[0], columns=5)
-    panels[-1].set_xlabel("displacement along the path s, m")
-    panels[-1].set_xlim(0.0, evidence.plan.table.length)
+    along_x(panels[-1], "displacement along the path s, m", 0.0, evidence.plan.table.length)
     return figure, leaves
 
 

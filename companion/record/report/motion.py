@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.palette import BLUE, FAINT, INK, LINES, TRUE, VERMILION
-from companion.record.report.style import legend, named, plain, spanned, stacked
+from companion.record.report.style import along_x, legend, named, spanned, stacked
 from companion.record.report.thinning import kept
 from companion.vehicle import OutputLevel
 
@@ -55,8 +55,7 @@ def motion(evidence: Evidence, window: Window) -> Figure:
         _motors(panels[2], evidence, told)
     else:
         _rates(panels[2:], evidence, told)
-    panels[-1].set_xlabel("time since following began, s")
-    panels[-1].set_xlim(*window)
+    along_x(panels[-1], "time since following began, s", window.begin, window.end)
     return figure
 
 
@@ -75,8 +74,8 @@ def _attitude(panel: Axes, evidence: Evidence, told: Series) -> None:
         _curve(panel, told["t"], asked, INK, "setpoint", 0.8, DASHED)
         _curve(panel, told["t"], asked_pitch, INK, None, 0.8, DASHED)
         shown += [asked, asked_pitch]
-    _curve(panel, told["t"], roll, BLUE, "roll \N{GREEK SMALL LETTER PHI}")
-    _curve(panel, told["t"], pitch, VERMILION, "pitch \N{GREEK SMALL LETTER THETA}")
+    _curve(panel, told["t"], roll, BLUE, "roll φ")
+    _curve(panel, told["t"], pitch, VERMILION, "pitch θ")
     named(panel, "Roll and pitch, deg")
     spanned(panel, *_ends(shown), 1.0)
     legend(panel)
@@ -99,7 +98,7 @@ def _motors(panel: Axes, evidence: Evidence, told: Series) -> None:
     rotors = evidence.plan.vehicle.rotors
     forces = [told[f"sent_{i}"] * rotor.thrust_max for i, rotor in enumerate(rotors)]
     for i, force in enumerate(forces):
-        _curve(panel, told["t"], force, LINES[i % len(LINES)], f"motor {i + 1}", 1.1)
+        _curve(panel, told["t"], force, LINES[i % len(LINES)], f"motor {i + 1}" if i == 0 else f"{i + 1}", 1.1)
     low, high = _ends(forces)
     spanned(panel, low, high, 0.02 * max(rotor.thrust_max for rotor in rotors))
     named(panel, "Motor commands, N")
@@ -111,12 +110,6 @@ def _motors(panel: Axes, evidence: Evidence, told: Series) -> None:
     ceiling = min(rotor.command[1] * rotor.thrust_max for rotor in rotors)
     if bottom < ceiling < top:
         panel.axhline(ceiling, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)))
-    if len({rotor.thrust_max for rotor in rotors}) == 1:
-        scale = rotors[0].thrust_max
-        other = panel.secondary_yaxis("right", functions=(lambda force: force / scale, lambda share: share * scale))
-        other.set_ylabel("command", labelpad=4)
-        other.yaxis.set_major_formatter(lambda value, _: plain(value))
-        other.spines["right"].set_visible(False)
 
 
 def _rates(panels: list[Axes], evidence: Evidence, told: Series) -> None:

@@ -9,7 +9,8 @@ from companion.record.report.evidence import Evidence
 
 LEAST = 1e-4
 """What is smaller than this in the unit shown is said to be so."""
-NOTHING = "\N{EN DASH}"
+NOTHING = "–"
+_DIGITS = ((0.1, 4), (1.0, 3), (100.0, 2), (1000.0, 1))
 
 
 def escaped(text: object) -> str:
@@ -18,16 +19,15 @@ def escaped(text: object) -> str:
 
 
 def worded(value: float) -> str:
-    """Three figures, no exponent: 0.0242, 3.00, 66.4, 1234."""
+    """Three or four figures, no exponent: 0.0242, 3.00, 66.44, 1234."""
     size = abs(value)
-    if size != 0.0 and size < LEAST:
-        return f"< {LEAST:.4f}" if value > 0.0 else f"> \N{MINUS SIGN}{LEAST:.4f}"
-    if size < 0.1:
-        digits = 4
-    else:
-        digits = 3 if size < 1.0 else 2 if size < 10.0 else 1 if size < 1000.0 else 0
+    if size == 0.0:
+        return "0"
+    if size < LEAST:
+        return f"< {LEAST:.4f}" if value > 0.0 else f"> −{LEAST:.4f}"
+    digits = next((digits for below, digits in _DIGITS if size < below), 0)
     text = f"{value:.{digits}f}"
-    return text.replace("-", "\N{MINUS SIGN}")
+    return text.replace("-", "−")
 
 
 def shown(value: float | None, factor: float = 1.0) -> str:
@@ -51,7 +51,7 @@ LINES = (
     Line("Duration", "s", ("duration_s",)),
     Line("Distance along the path", "m", ("distance_m",)),
     Line("Laps", "", ("laps",)),
-    Line("Mean speed over the mission\N{RIGHT SINGLE QUOTATION MARK}s", "%", ("speed_mean_over_alpha",), 100.0),
+    Line("Mean speed over the mission’s", "%", ("speed_mean_over_alpha",), 100.0),
     Line("Path error (G1), rms", "cm", ("path_error_m", "rms"), 100.0),
     Line("Path error (G1), largest", "cm", ("path_error_m", "max"), 100.0),
     Line("Speed error (G2), rms", "m/s", ("speed_error_mps", "rms")),
@@ -69,9 +69,9 @@ LINES = (
 
 def table(evidence: Evidence) -> str:
     """The figures of the summary: while following, settled, and settled by the plant's true state."""
-    columns = [("Following", ("follow",)), ("Settled", ("settled",))]
+    columns: list[tuple[str, tuple[str, ...]]] = [("Following", ("follow",)), ("Settled", ("settled",))]
     if "truth" in evidence.figures:
-        columns.append(("Settled, true state", ("truth", "settled")))
+        columns.append(("Settled, true", ("truth", "settled")))
     head = "".join(f'<th scope="col">{name}</th>' for name, _ in columns)
     body = []
     for line in LINES:

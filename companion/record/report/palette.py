@@ -1,4 +1,4 @@
-"""The colours of figures and page. Okabe and Ito's set: colour-blind readers tell them apart, and so does grey paper."""
+"""The colours of the figures: Okabe and Ito's, which colour-blind readers tell apart."""
 
 from __future__ import annotations
 

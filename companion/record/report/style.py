@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from companion.record.report.palette import FAINT, INK, RULE
 
 WIDTH = 5.2
 """inches: half a page on a desk and a whole one on a phone, readable in both."""
+STEPS = 24
+"""of a ramp of colours: enough for the eye, and few enough for lines of one colour to stay whole."""
 
-_RC = {
+_RC: dict[Any, Any] = {
     "font.family": "sans-serif",
     # the font whose widths the layout is made with; the page sets the same words in its own, which is no wider
     "font.sans-serif": ["DejaVu Sans"],
@@ -67,13 +71,22 @@ def drawing() -> Iterator[None]:
 
 def stacked(heights: list[float], height: float) -> tuple[Figure, list[Axes]]:
     """A figure of panels over one another with a common x axis."""
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
-    figure.get_layout_engine().set(h_pad=0.03, w_pad=0.03, hspace=0.02)  # type: ignore[union-attr]
+    layout = ConstrainedLayoutEngine(h_pad=0.03, w_pad=0.03, hspace=0.02)
+    figure = Figure(figsize=(WIDTH, height), layout=layout)
     grid = figure.subplots(len(heights), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": heights})
     panels = list(grid[:, 0])
     for panel in panels[:-1]:
         panel.tick_params(axis="x", length=0)
     return figure, panels
+
+
+def along_x(panel: Axes, name: str, begin: float, end: float) -> None:
+    """The x axis: its name with its unit, and where it runs."""
+    panel.set_xlabel(name)
+    # a hair more, so that a flight of 59.996 s shows the tick at 60
+    panel.set_xlim(begin, end + 1e-3 * (end - begin))
+    panel.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    panel.xaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
 
 
 def named(panel: Axes, name: str) -> None:
@@ -102,7 +115,7 @@ def legend(panel: Axes, columns: int = 4) -> None:
 def plain(value: float) -> str:
     """A tick's number without exponent."""
     text = f"{value:.6f}".rstrip("0").rstrip(".")
-    return "0" if text in ("-0", "") else text.replace("-", "\N{MINUS SIGN}")
+    return "0" if text in ("-0", "") else text.replace("-", "−")
 
 
 def ticks(panel: Axes, count: int = 4) -> None:
@@ -131,6 +144,13 @@ def spanned(panel: Axes, low: float, high: float, least: float) -> None:
     ticks(panel)
 
 
+def from_zero(panel: Axes, high: float, least: float) -> None:
+    """The same for what is never negative."""
+    top = 1.04 * max(high, least)
+    panel.set_ylim(-0.02 * top, top)
+    ticks(panel)
+
+
 def ramp_of_colours(name: str, begin: float, end: float) -> Colormap:
     """A part of one of matplotlib's even colour ramps, without the ends that vanish on white."""
-    return ListedColormap(matplotlib.colormaps[name](np.linspace(begin, end, 24)))
+    return ListedColormap(matplotlib.colormaps[name](np.linspace(begin, end, STEPS)))

@@ -11,6 +11,7 @@ from companion.record.report.numbers import escaped
 
 _FONT = re.compile(r"font: (?P<weight>(?:bold |[0-9]+ )?)(?P<style>(?:italic |oblique )?)(?P<size>[\d.]+px) [^;\"]*")
 _LONG = re.compile(r"-?\d+\.\d{3,}")
+_TAG = re.compile(r"<[^>]+>")
 _ID = re.compile(r'(?P<before>\bid="|href="#|url\(#)(?P<name>[^")]+)')
 _NAMED_GROUP = re.compile(r'<g id="[a-zA-Z]\w*_\d+">')
 
@@ -29,7 +30,7 @@ def inline(figure: Figure, name: str, description: str) -> str:
     body = _ID.sub(lambda found: f"{found['before']}{name}-{found['name']}", body)
     body = _FONT.sub(_font, body)
     # a hundredth of a point is finer than any eye and any printer
-    body = _LONG.sub(lambda found: f"{float(found[0]):.2f}", body)
+    body = _TAG.sub(lambda tag: _LONG.sub(lambda found: f"{float(found[0]):.2f}", tag[0]), body)
     body = re.sub(r"\s*\n\s*", "\n", body).strip()
     width, height = (72.0 * inches for inches in figure.get_size_inches())
     return (

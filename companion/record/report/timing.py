@@ -20,14 +20,16 @@ def gaps(evidence: Evidence) -> Array:
     """s between one setpoint and the next while following."""
     table = evidence.table
     sent = table[(table["phase"] == FOLLOW) & (table["setpoint"] > 0)]
-    return np.diff(np.asarray(sent["now"], dtype=float))
+    between: Array = np.diff(np.asarray(sent["now"], dtype=float))
+    return between
 
 
 def latencies(evidence: Evidence) -> Array:
     """s from the arrival of a state to the return of its setpoint's send, while following."""
     table = evidence.table
     values = np.asarray(table[(table["phase"] == FOLLOW) & (table["setpoint"] > 0)]["latency"], dtype=float)
-    return values[np.isfinite(values)]
+    known: Array = values[np.isfinite(values)]
+    return known
 
 
 def histogram(values: Array, name: str, unit: str) -> Figure:
@@ -47,17 +49,19 @@ def histogram(values: Array, name: str, unit: str) -> Figure:
     panel.set_xlim(0.0, top)
     panel.set_xlabel(f"{name}, {unit}")
     named(panel, "Setpoints")
-    _quantile(panel, float(np.percentile(values, 50)), "half", FAINT)
-    _quantile(panel, float(np.percentile(values, 99)), "99 %", VERMILION)
+    half, most = float(np.percentile(values, 50)), float(np.percentile(values, 99))
+    _quantile(panel, half, "half", FAINT, left=half > 0.1 * top)
+    _quantile(panel, most, "99 %", VERMILION, left=most > 0.9 * top and most - half > 0.2 * top)
     return figure
 
 
-def _quantile(panel: Axes, value: float, word: str, colour: str) -> None:
+def _quantile(panel: Axes, value: float, word: str, colour: str, left: bool) -> None:
     panel.axvline(value, color=colour, linewidth=0.9, linestyle=(0, (2, 2)))
     panel.annotate(
         word,
         (value, 1.0),
-        xytext=(3, -2),
+        xytext=(-3 if left else 3, -2),
+        ha="right" if left else "left",
         xycoords=("data", "axes fraction"),
         textcoords="offset points",
         va="top",

@@ -1,0 +1,148 @@
+"""The figures of a page in their order, each with the sentence that says what to see in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from matplotlib.figure import Figure
+
+from companion.record.report import above, errors, motion, space, timing
+from companion.record.report.evidence import Evidence
+from companion.record.report.numbers import worded
+from companion.record.report.pictures import Picture, Section
+from companion.record.report.style import drawing
+from companion.record.report.svg import inline
+from companion.vehicle import OutputLevel
+
+NOT_FOLLOWED = Section(
+    "Following", ["The flight never came to follow its path, so there are no errors, commands or timing to show."], []
+)
+
+
+def figures(evidence: Evidence) -> list[Section]:
+    """Every figure, or the words that stand in its place."""
+    with drawing():
+        if not evidence.followed:
+            return [_track(evidence), NOT_FOLLOWED]
+        return [_track(evidence), _errors(evidence), _motion(evidence), _timing(evidence)]
+
+
+def _picture(name: str, draw: Callable[[], Figure], caption: str) -> Picture:
+    return Picture(name, inline(draw(), name, caption), caption)
+
+
+def _track(evidence: Evidence) -> Section:
+    title = "Path and track"
+    if not evidence.followed and not (evidence.table["fresh"] == 1).any():
+        return Section(title, ["The companion saw no state of the vehicle, so there is no track to draw."], [])
+    if evidence.followed:
+        above_caption = "From above: the track, coloured by its speed, on the path it was to follow (broad, pale)."
+        space_caption = "In space: the same track, coloured by its distance to the path, whose shadow is on the floor."
+    else:
+        above_caption = "From above: the path it was to follow, and where the vehicle was (a square at the end)."
+        space_caption = "In space: the path it was to follow, its shadow on the floor, and where the vehicle was."
+    return Section(
+        title,
+        [],
+        [
+            _picture("above", lambda: above.from_above(evidence), above_caption),
+            _picture("space", lambda: space.in_space(evidence), space_caption),
+        ],
+    )
+
+
+def _errors(evidence: Evidence) -> Section:
+    title = "The three goals"
+    true = "; the broad pale line is the plant’s true state" if evidence.true else ""
+    time = f"Over time: how fast the errors of path, speed and yaw go away, and what stays of them{true}."
+    along, leaves = errors.over_path(evidence)
+    approach = ", while the approach to it leaves the frame" if leaves else ""
+    place = f"Along the path: where the errors arise, lap over lap, on the scale of the settled flight{approach}."
+    raised = f", also in the {worded(evidence.plan.ramp_time)} s in which the vehicle is brought up to it"
+    words = [
+        "G1: converge to the path; the path error is the distance to it. G2: fly at the mission’s speed; the speed "
+        f"error counts against that speed from the first moment on{raised if evidence.plan.ramp_time > 0.0 else ''}. "
+        "G3: face where the mission says."
+    ]
+    return Section(
+        title,
+        words,
+        [
+            _picture("errors-time", lambda: errors.over_time(evidence), time),
+            _picture("errors-path", lambda: along, place),
+        ],
+    )
+
+
+def _motion(evidence: Evidence) -> Section:
+    level = evidence.plan.level
+    title = "Attitude, thrust and " + ("motors" if level is OutputLevel.MOTORS else "body rates")
+    shown = {
+        OutputLevel.MOTORS: "roll, pitch, thrust and motor commands, as in the paper’s Figs. 3 and 4",
+        OutputLevel.RATES: "roll, pitch, thrust, and the body rates that were asked for and measured",
+        OutputLevel.ATTITUDE: "roll and pitch as asked for and measured, thrust, and the body rates that came of it",
+    }[level]
+    negative = level is OutputLevel.MOTORS and _goes_negative(evidence)
+    below = "; in the red band a motor would have to pull" if negative else ""
+    thrusts = {rotor.thrust_max for rotor in evidence.plan.vehicle.rotors}
+    words = (
+        [f"A motor’s command is shown as the force it asks for: a command of 1 is {worded(thrusts.pop())} N."]
+        if level is OutputLevel.MOTORS and len(thrusts) == 1
+        else []
+    )
+    pictures = [
+        _picture("motion", lambda: motion.motion(evidence, motion.whole(evidence)), f"All of it: {shown}{below}.")
+    ]
+    late = motion.last_lap(evidence)
+    if late is not None:
+        window, lap = late
+        name = "The last lap" if lap else "The settled part"
+        caption = f"{name}, each axis on its own scale: what the path itself asks of the vehicle."
+        pictures.append(_picture("motion-late", lambda: motion.motion(evidence, window), caption))
+    return Section(title, words, pictures)
+
+
+def _goes_negative(evidence: Evidence) -> bool:
+    return any(float(evidence.told[f"sent_{i}"].min()) < 0.0 for i in range(4))
+
+
+def _timing(evidence: Evidence) -> Section:
+    title = "The loop"
+    gaps, latencies = timing.gaps(evidence), timing.latencies(evidence)
+    if len(gaps) == 0:
+        return Section(title, ["No setpoints went out while following, so there is no timing to show."], [])
+    words, pictures = [], []
+    rate = evidence.number("loop", "rate_hz")
+    if float(gaps.max() - gaps.min()) < timing.STEADY:
+        words.append(
+            f"Setpoints went out every {worded(1e3 * float(gaps.mean()))} ms without exception"
+            + (f", {rate:.0f} a second" if rate is not None else "")
+            + "."
+        )
+    else:
+        half, most = sorted(gaps)[len(gaps) // 2], float(gaps.max())
+        caption = (
+            f"Time from one setpoint to the next: {worded(1e3 * float(half))} ms in the middle, "
+            f"{worded(1e3 * most)} ms at most."
+        )
+        pictures.append(_picture("gaps", lambda: timing.histogram(1e3 * gaps, "gap between setpoints", "ms"), caption))
+    if len(latencies):
+        p50, p99, top = (evidence.number("loop", "latency_us", key) for key in ("p50", "p99", "max"))
+        told = (
+            f": {worded(p50 / 1e3)} ms in the middle, {worded(p99 / 1e3)} ms or less in 99 of 100, "
+            f"{worded(top / 1e3)} ms at most"
+            if p50 is not None and p99 is not None and top is not None
+            else ""
+        )
+        caption = f"Time from the arrival of a state to the return of its setpoint’s send{told}."
+        pictures.append(
+            _picture("latency", lambda: timing.histogram(1e3 * latencies, "state to setpoint", "ms"), caption)
+        )
+    elif evidence.lockstep:
+        words.append(
+            "This flight was simulated in lockstep: its clock stands still while the companion computes, so there is "
+            "no latency to measure. Fly it in real time to see one."
+        )
+    else:
+        words.append("No latency was recorded.")
+    return Section(title, words, pictures)

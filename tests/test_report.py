@@ -1,0 +1,315 @@
+"""The report: one page that needs nothing else, true to the summary, sensible for every flight folder."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+import shutil
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from companion.cli.commands import app
+from companion.config.faults import ConfigError
+from companion.flight.phases import Phase
+from companion.record import report
+from companion.record.report import gallery, motion, write_report
+from companion.record.report.evidence import Evidence, gathered
+from companion.record.report.numbers import worded
+from companion.record.report.page import page
+from companion.record.report.style import drawing
+from companion.record.report.svg import inline
+from companion.record.report.thinning import along, kept
+from companion.vehicle import CompanionError, OutputLevel
+
+HOSTILE = "<script>alert('x')</script>&\"<img src=x onerror=alert(1)>"
+MISSION = """
+mission: {name}
+frame: enu
+path: {{kind: implicit, constants: {{r: 2.0}}, h1: "hypot(x, y) - r", h2: z - 10, near: [0, 2, 10]}}
+speed: 2.0
+yaw: 0.0
+"""
+
+
+def fly(mission: str, directory: Path, duration: float, settle: float) -> Path:
+    """A lockstep flight."""
+    words = ["sim", mission, "--output", "motors", "--record", str(directory)]
+    result = CliRunner().invoke(app, [*words, "--duration", str(duration), "--settle", str(settle)])
+    assert result.exit_code == 0, result.output
+    return directory
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A completed flight of more than a lap under a hostile name, and its report."""
+    directory = tmp_path_factory.mktemp("flights")
+    mission = directory / "mission.yaml"
+    mission.write_text(MISSION.format(name=json.dumps(HOSTILE)), encoding="utf-8")
+    flight = fly(str(mission), directory / "flight", 8.0, 3.0)
+    write_report(flight)
+    return flight
+
+
+@pytest.fixture
+def copy(flown: Path, tmp_path: Path) -> Path:
+    """The same flight, to spoil."""
+    return Path(shutil.copytree(flown, tmp_path / "copy", ignore=shutil.ignore_patterns("report.html", "link.tlog")))
+
+
+def cut(directory: Path, rows: int) -> None:
+    """What a daemon leaves behind that is killed after so many ticks: no summary."""
+    (directory / "summary.json").unlink()
+    np.save(directory / "flight.npy", np.load(directory / "flight.npy")[:rows])
+
+
+def ticks_until(directory: Path, phase: Phase) -> int:
+    """How many ticks came before a phase."""
+    return int(np.argmax(np.load(directory / "flight.npy")["phase"] == list(Phase).index(phase)))
+
+
+class Reader(HTMLParser):
+    """What a browser would see: tags that do not match, what is loaded, ids, the text."""
+
+    VOID = frozenset({"meta", "br", "hr", "img", "input", "link"})
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str]] = []
+        self.text = ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes += [(name, value or "") for name, value in attributes]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes += [(name, value or "") for name, value in attributes]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+    def values(self, name: str) -> list[str]:
+        """Of every attribute of that name."""
+        return [value for key, value in self.attributes if key == name]
+
+
+def told(directory: Path) -> str:
+    """The page without its figures, which take their time."""
+    return page(gathered(directory), [])
+
+
+def read(directory: Path) -> Reader:
+    """The report of a flight folder, well-formed or not at all."""
+    reader = Reader(write_report(directory).read_text(encoding="utf-8"))
+    assert reader.open == []
+    return reader
+
+
+def test_the_page_needs_nothing_else(flown: Path) -> None:
+    text = (flown / "report.html").read_text(encoding="utf-8")
+    reader = Reader(text)
+    assert reader.open == []
+    assert "http:" not in text and "https:" not in text and "@import" not in text
+    assert not {"script", "link", "img", "iframe", "object", "embed"} & set(reader.tags)
+    assert not reader.values("src")
+    assert all(value.startswith("#") for value in reader.values("href"))
+    assert re.findall(r"url\(([^)]*)\)", text) and all(u.startswith("#") for u in re.findall(r"url\(([^)]*)\)", text))
+    assert len(text) < 1_000_000
+
+
+def test_ids_are_the_pages_own(flown: Path) -> None:
+    text = (flown / "report.html").read_text(encoding="utf-8")
+    reader = Reader(text)
+    ids = reader.values("id")
+    assert len(ids) == len(set(ids))
+    named = {value[1:] for value in reader.values("href")} | set(re.findall(r"url\(#([^)]*)\)", text))
+    assert named <= set(ids)
+
+
+def test_every_figure_is_there_with_its_sentence(flown: Path) -> None:
+    text = (flown / "report.html").read_text(encoding="utf-8")
+    names = re.findall(r'<figure id="figure-([\w-]+)">', text)
+    assert names == ["above", "space", "errors-time", "errors-path", "motion", "motion-late"]
+    captions = re.findall(r"<figcaption><b>Figure (\d+)\.</b> (.*?)</figcaption>", text)
+    assert [int(number) for number, _ in captions] == list(range(1, 7))
+    assert all(caption.endswith(".") and caption.count(". ") <= 1 for _, caption in captions)
+    for label in ("east, m", "north, m", "up, m", "speed, m/s", "path error, cm", "G1 path error, cm",
+                  "G2 speed error, m/s", "G3 yaw error, deg", "displacement along the path s, m", "Thrust, N",
+                  "Roll and pitch, deg", "Motor commands, N", "time since following began, s"):  # fmt: skip
+        assert label in re.sub(r"\s+", " ", text), label
+    assert "lockstep" in text and "no latency to measure" in text
+
+
+def test_the_key_figures_are_the_summarys(flown: Path) -> None:
+    text = (flown / "report.html").read_text(encoding="utf-8")
+    summary = json.loads((flown / "summary.json").read_text(encoding="utf-8"))
+    shown = {float(value) for value in re.findall(r'<data value="([^"]*)">', text)}
+    for part in (summary["follow"], summary["settled"], summary["truth"]["settled"]):
+        for key in ("path_error_m", "speed_error_mps", "yaw_error_deg"):
+            assert {part[key]["rms"], part[key]["max"]} <= shown
+        assert {part["duration_s"], part["distance_m"], part["laps"]} <= shown
+    settled = summary["settled"]
+    assert {settled["roll_max_deg"], settled["pitch_max_deg"], settled["tilt_max_deg"]} <= shown
+    assert {settled["thrust_n"]["min"], settled["thrust_n"]["max"], settled["motor"]["max"]} <= shown
+    row = re.search(r"Path error \(G1\), largest.*?</tr>", text)
+    assert row is not None
+    words = re.findall(r'<data value="[^"]*">(.*?)</data>', row[0])
+    assert words[0] == worded(100.0 * summary["follow"]["path_error_m"]["max"])
+    # the settled figures above the panels are the same, in the panels' units
+    panel = f"settled: rms {worded(settled['yaw_error_deg']['rms'])}, largest {worded(settled['yaw_error_deg']['max'])}"
+    assert panel.replace("<", "&lt;") in text
+    assert "settled from 3 s" in text
+
+
+def test_what_a_file_says_is_text(flown: Path) -> None:
+    text = (flown / "report.html").read_text(encoding="utf-8")
+    assert HOSTILE in Reader(text).text
+    assert "<script" not in text and "<img" not in text
+
+
+def test_the_same_flight_gives_the_same_page(flown: Path) -> None:
+    before = (flown / "report.html").read_bytes()
+    assert write_report(flown).read_bytes() == before
+
+
+def test_notes_stand_out(copy: Path) -> None:
+    summary = json.loads((copy / "summary.json").read_text(encoding="utf-8"))
+    summary["notes"] = ["the motors go <negative>"]
+    (copy / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+    assert '<div class="notes"><h2>Take note</h2><ul><li>The motors go &lt;negative&gt;.</li>' in told(copy)
+
+
+def test_an_aborted_flight_says_why(copy: Path) -> None:
+    summary = json.loads((copy / "summary.json").read_text(encoding="utf-8"))
+    summary |= {"outcome": "aborted", "reason": "state is stale"}
+    (copy / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+    text = told(copy)
+    assert re.search(
+        r'<p class="outcome aborted">Aborted after following the path for 8\.00\s?s .*: state is stale\.', text
+    )
+
+
+def test_a_killed_flight_is_told_from_its_record(copy: Path) -> None:
+    cut(copy, 1200)
+    reader = read(copy)
+    assert "the record ends in the middle of the flight" in reader.text and "(follow)" in reader.text
+    assert "The folder holds no summary" in reader.text
+    assert reader.tags.count("figure") == 5
+
+
+def test_a_flight_whose_summary_was_cut_short_keeps_its_outcome(copy: Path) -> None:
+    (copy / "summary.json").write_text('{"schema": "companion.fl', encoding="utf-8")
+    (copy / "truth.npy").unlink()
+    text = told(copy)
+    assert "Completed: followed the path" in text
+    assert "Settled, true" not in text
+
+
+@pytest.mark.parametrize("more", [0, 1, 3])
+def test_a_flight_that_hardly_followed(copy: Path, more: int) -> None:
+    cut(copy, ticks_until(copy, Phase.FOLLOW) + more)
+    reader = read(copy)
+    assert "Aborted" in reader.text
+    assert ("never came to follow" in reader.text) == (more < 2)
+
+
+def test_an_empty_record(copy: Path) -> None:
+    cut(copy, 0)
+    np.save(copy / "truth.npy", np.load(copy / "truth.npy")[:0])
+    reader = read(copy)
+    assert "the record ends before the first tick" in reader.text and "figure" not in reader.tags
+    (copy / "truth.npy").unlink()
+    assert "the record ends before the first tick" in told(copy)
+
+
+def test_a_summary_of_another_shape(copy: Path) -> None:
+    parts = dict.fromkeys(("vehicle", "output", "phases", "follow", "settled", "loop"), "odd")
+    (copy / "summary.json").write_text(
+        json.dumps({"mission": 3, "outcome": None, "notes": {"a": 1}, **parts}), encoding="utf-8"
+    )
+    assert "Aborted" in read(copy).text
+
+
+def test_not_a_flight_folder(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"resolved\.json is missing; expected a flight folder"):
+        write_report(tmp_path)
+
+
+def test_without_matplotlib_it_says_what_to_install(flown: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in sys.modules if name.startswith(f"{report.__name__}.")]:
+        monkeypatch.delitem(sys.modules, name)
+    for name in ("gallery", "above", "space", "colouring", "style", "errors", "motion", "timing", "svg"):
+        monkeypatch.delattr(report, name)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(CompanionError, match=re.escape("pip install 'companion[report]'")):
+        write_report(flown)
+
+
+def in_real_time(evidence: Evidence) -> Evidence:
+    """The same flight as if it had been flown in real time: uneven gaps, and latencies."""
+    table = evidence.table.copy()
+    chance = np.random.default_rng(0)
+    table["now"] += chance.uniform(0.0, 1e-3, len(table))
+    table["latency"] = chance.uniform(2e-4, 9e-4, len(table))
+    return dataclasses.replace(evidence, table=table, resolved={**evidence.resolved, "epoch": 1.8e9})
+
+
+def test_a_real_time_flight_shows_its_timing_and_date(flown: Path) -> None:
+    evidence = in_real_time(gathered(flown))
+    text = page(evidence, gallery.figures(evidence))
+    assert 'id="figure-gaps"' in text and 'id="figure-latency"' in text
+    assert "gap between setpoints, ms" in text and "state to setpoint, ms" in text
+    assert "15 January 2027" in text and "simulated, in real time" in text
+    text = page(dataclasses.replace(evidence, truth=None), [])
+    assert "real-time flight" in text and "simulated" not in text
+
+
+@pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
+def test_other_levels_show_rates_instead_of_motors(flown: Path, level: OutputLevel) -> None:
+    evidence = gathered(flown)
+    plan = dataclasses.replace(evidence.plan, level=level)
+    table = evidence.table.copy()
+    table["sent_4"] = 0.5
+    evidence = dataclasses.replace(evidence, plan=plan, table=table)
+    with drawing():
+        text = inline(motion.motion(evidence, motion.whole(evidence)), "motion", "rates")
+    assert "Body rate p, deg/s" in text and "setpoint" in text
+    assert "Motor commands, N" not in text
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(0.0, "0"), (0.00004, "< 0.0001"), (0.02424, "0.0242"), (0.5, "0.500"), (66.4428, "66.44"), (-101.04, "−101.0"),
+     (4321.0, "4321")],
+)  # fmt: skip
+def test_numbers_read_well(value: float, words: str) -> None:
+    assert worded(value) == words
+
+
+def test_thinning_loses_no_spike() -> None:
+    t = np.linspace(0.0, 60.0, 60_001)
+    y = np.sin(t)
+    y[31_234] = 9.0
+    y[60_000] = -7.0
+    y[100] = np.nan
+    chosen = kept(y)
+    assert len(chosen) <= 1700
+    assert {0, 31_234, 60_000} <= set(chosen)
+    hover = np.concatenate([np.zeros((5000, 3)), np.linspace([0.0, 0.0, 0.0], [10.0, 0.0, 0.0], 5000)])
+    track = along(hover, 100)
+    assert np.max(np.linalg.norm(np.diff(hover[track], axis=0), axis=1)) < 0.2
