@@ -8,7 +8,7 @@ from companion.config.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.frames import rotation_from_euler
 from companion.law.feedback import Bounds
-from companion.law.flight import Ramp, Thrust, implicit_law, model_of
+from companion.law.flight import Flying, Ramp, implicit_law, model_of
 from companion.law.gains import Level, default_gains
 
 BUDGET_US = 25.0
@@ -17,8 +17,9 @@ BUDGET_US = 25.0
 def main() -> None:
     """Print the table."""
     vehicle = load_vehicle("x500")
-    at = ((0.3, 5.2, -10.1), (2.9, 0.1, 0.0), rotation_from_euler(0.1, 0.1, -0.1), (0.1, 0.0, 0.1))
-    thrust, nothing, ramp = Thrust(19.0, 0.5), (0.0, 0.0, 0.0), Ramp()
+    r_nb = rotation_from_euler(0.1, 0.1, -0.1)
+    flying = Flying((0.3, 5.2, -10.1), (2.9, 0.1, 0.0), r_nb, 19.0, (0.1, 0.0, 0.1), 0.5, drag=0.2)
+    ramp = Ramp()
     print("level    bounds  us a step (best of 7)")
     for level in Level:
         mission = load_mission("circle_r5", level)
@@ -27,7 +28,7 @@ def main() -> None:
             number = 5000
 
             def step(law: object = law) -> None:
-                law(*at, thrust, nothing, ramp)  # type: ignore[operator]
+                law(flying, ramp)  # type: ignore[operator]
 
             best = min(timeit.repeat(step, number=number, repeat=7)) / number * 1e6
             print(

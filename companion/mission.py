@@ -9,9 +9,13 @@ from companion.calculus.scalar import Scalar
 from companion.frames import Vec3
 from companion.law.gains import Gains
 from companion.law.implicit import Position, Specification
+from companion.paths.arc import ArcTable
+from companion.paths.curve import Curve
 from companion.paths.implicit import ImplicitPath
 from companion.paths.placement import Placement
-from companion.profiles import LookAt, Speed, Yaw
+from companion.profiles import ConstantSpeed, ConstantYaw, LookAt, Speed, Yaw, YawExpression
+
+Path = ImplicitPath | Curve
 
 
 class Origin(enum.Enum):
@@ -50,7 +54,7 @@ class Mission:
     not say. ``look_at``: the point of ``yaw: look_at`` in the mission's coordinates."""
 
     name: str
-    path: ImplicitPath
+    path: Path
     speed: Speed
     yaw: Yaw
     gains: Gains | None = None
@@ -74,23 +78,38 @@ class Mission:
         """Where its coordinates stand in the vehicle's local frame."""
         return self.path.placement
 
-    def speed_at(self, p_n: Vec3) -> float:
-        """alpha, m/s, at a point of the local frame. ValueError, ArithmeticError: not defined there."""
-        return float(self.speed.value(self.path.variables(p_n)))
+    @property
+    def table(self) -> ArcTable:
+        """The path over its arc length, in the vehicle's local frame. PathError: it is no path."""
+        return self.path.table
 
-    def yaw_at(self, p_n: Vec3, mu: Vec3) -> float:
-        """beta, rad, at a point with unit tangent ``mu``. ValueError, ArithmeticError: not defined there."""
-        return float(self.specification(self.speed_at(p_n)).beta(p_n, mu))
+    def alpha(self, s: float) -> float:
+        """m/s, the speed at arc length ``s``. ValueError, ArithmeticError: not defined there."""
+        if isinstance(self.path, Curve) or isinstance(self.speed, ConstantSpeed):
+            return self.speed.at(s)[0]
+        return float(self.speed.value(self.path.variables(self.table.at(s)[0])))
+
+    def beta(self, s: float) -> float:
+        """rad, the heading at arc length ``s``. ValueError, ArithmeticError: not defined there."""
+        if isinstance(self.yaw, ConstantYaw | YawExpression) and isinstance(self.path, Curve):
+            return self.yaw.at(s)[0]
+        point, (x, y, z), _ = self.table.at(s)
+        forward = 1.0 if self.alpha(s) >= 0.0 else -1.0
+        travel = (x * forward, y * forward, z * forward)
+        variables = self.path.variables(point) if isinstance(self.path, ImplicitPath) else {}
+        return float(self.yaw.value(variables, point, travel))
 
     def specification(self, direction: float) -> Specification:
-        """What the law needs to know. ``direction``: any number with the sign of the speed."""
+        """What the law of an implicit path needs to know. ``direction``: any number with the sign of the speed."""
+        path = self.path
+        assert isinstance(path, ImplicitPath)
         forward = 1.0 if direction >= 0.0 else -1.0
 
         def alpha(p_n: Position) -> Scalar:
-            return self.speed.value(self.path.variables(p_n))
+            return self.speed.value(path.variables(p_n))
 
         def beta(p_n: Position, mu: Position) -> Scalar:
             travel = (mu[0] * forward, mu[1] * forward, mu[2] * forward)
-            return self.yaw.value(self.path.variables(p_n), p_n, travel)
+            return self.yaw.value(path.variables(p_n), p_n, travel)
 
-        return Specification(self.path.h, alpha, beta)
+        return Specification(path.h, alpha, beta)

@@ -123,8 +123,7 @@ def _noticed(plan: Plan, memory: Memory, seen: Observation, now: float) -> Memor
     state, state_at, progress = memory.state, memory.state_at, memory.progress
     if seen.state is not None and (state is None or seen.state.t_boot >= state.t_boot):
         state, state_at = seen.state, now
-        if memory.phase in OWN_MODE or progress is not None:
-            progress = _progressed(plan, memory, seen.state)
+        progress = _progressed(plan, memory, seen.state)
     answer = memory.answer
     if seen.answer is not None and seen.answer.request is PHASES[memory.phase].request:
         answer = seen.answer
@@ -230,7 +229,8 @@ def _steered(plan: Plan, memory: Memory, ramp: Ramp) -> tuple[Memory, Steered]:
     dt = 0.0
     if memory.phase is not Phase.TAKE_OVER and memory.steered_at is not None:
         dt = min(max(state.t_boot - memory.steered_at, 0.0), DT_MAX)
-    steered = plan.steering.steer(steering, state, dt, ramp)
+    assert memory.progress is not None
+    steered = plan.steering.steer(steering, state, dt, ramp, memory.progress.s)
     return memory._replace(steering=steered.memory, steered_at=state.t_boot), steered
 
 

@@ -6,16 +6,18 @@ from dataclasses import dataclass
 
 from companion.frames import Vec3
 from companion.law.feedback import Bounds
-from companion.law.flight import implicit_law, model_of
+from companion.law.flight import Law, curve_law, implicit_law, model_of
 from companion.law.gains import Level, default_gains
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
+from companion.paths.implicit import ImplicitPath
 from companion.steering.motors import motor_steering
 from companion.steering.steering import Steering
 from companion.vehicle import CompanionError, OutputLevel, Vehicle
 
 RAMP_ACCELERATION = 1.5
 """m/s^2, the steepest rise of the speed at the start."""
+SPEED_SAMPLES = 400
 
 
 @dataclass(frozen=True)
@@ -53,12 +55,18 @@ def prepared(
     if level is not OutputLevel.MOTORS:
         raise CompanionError(f"output {level.value} is not built yet")
     placed = mission.placed(origin_n)
-    table = placed.path.table
-    speeds = [placed.speed_at((float(x), float(y), float(z))) for x, y, z in table.samples(200)[1]]
+    table = placed.table
+    speeds = [placed.alpha(table.length * i / SPEED_SAMPLES) for i in range(SPEED_SAMPLES)]
     direction = 1.0 if speeds[0] > 0.0 else -1.0
     gains = placed.gains if placed.gains is not None else default_gains(law_level(level))
     bounds = None if vehicle.limits is None else Bounds()
-    law = implicit_law(placed.specification(direction), law_level(level), model_of(vehicle), gains, bounds)
+    law: Law
+    if isinstance(placed.path, ImplicitPath):
+        law = implicit_law(placed.specification(direction), law_level(level), model_of(vehicle), gains, bounds)
+    else:
+        law = curve_law(
+            placed.path, placed.speed, placed.yaw, law_level(level), model_of(vehicle), gains, bounds, direction
+        )
     # a smooth step of the speed is steepest in its middle, by 1.875
     ramp_time = 0.0 if vehicle.limits is None else 1.875 * max(map(abs, speeds)) / RAMP_ACCELERATION
     return Plan(

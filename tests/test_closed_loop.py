@@ -21,12 +21,10 @@ from companion.config.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.frames import rotation_from_euler
 from companion.law.bare import bare_law
-from companion.law.flight import Ramp, Thrust, implicit_law, model_of
+from companion.law.flight import Flying, Ramp, implicit_law, model_of
 from companion.law.gains import Gains, Level
 from companion.law.reference import reference
 from companion.mission import Mission
-
-NOTHING = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ def loop_of(name: str) -> Loop:
     def derivative(t: float, chi: np.ndarray) -> np.ndarray:
         x, y, z, psi, theta, phi, u, v, w, p, q, r, zeta, zeta_dot = (float(c) for c in chi)
         R = rotation_from_euler(psi, theta, phi)
-        command = law((x, y, z), (u, v, w), R, (p, q, r), Thrust(zeta, zeta_dot), NOTHING, Ramp())
+        command = law(Flying((x, y, z), (u, v, w), R, zeta, (p, q, r), zeta_dot), Ramp())
         u2, u3, u4 = command.turn
         c_th, s_ph, c_ph, t_th = math.cos(theta), math.sin(phi), math.cos(phi), math.tan(theta)
         return np.array(
@@ -110,7 +108,7 @@ def test_errors_are_linear_and_decoupled(loop: Loop) -> None:
 
 def test_steady_states_of_the_paper(loop: Loop) -> None:
     """Largest roll and pitch atan(alpha^2/(r g)) and the thrust m sqrt(g^2 + (alpha^2/r)^2)."""
-    speed = loop.mission.speed_at((0.0, 10.0, -20.0))
+    speed = loop.mission.alpha(0.0)
     angle = {3.0: 5.2418, 15.0: 66.4428}[speed]
     thrust = {3.0: 19.7024, 15.0: 49.0912}[speed]
     period = math.tau * 10.0 / speed
@@ -142,7 +140,7 @@ def test_the_reference_is_on_the_manifold(loop: Loop) -> None:
 def test_angles_and_thrust_by_the_corrected_lemma(loop: Loop) -> None:
     """phi = asin((s_psi a1 - c_psi a2)/zeta), theta = asin((c_psi a1 + s_psi a2)/(zeta c_phi)), zeta = |a|."""
     m, g = 2.0, 9.81
-    speed = loop.mission.speed_at((0.0, 10.0, -20.0))
+    speed = loop.mission.alpha(0.0)
     for s in (1.0, 20.0, 44.0):
         chi = on_the_manifold(loop.mission, s)
         x, y, psi, theta, phi, zeta = chi[0], chi[1], chi[3], chi[4], chi[5], chi[12]
@@ -162,7 +160,7 @@ def test_invariance(loop: Loop) -> None:
     off = [math.hypot(math.hypot(chi[0], chi[1]) - 10.0, chi[2] + 20.0) for chi in flown]
     assert max(off) < 1e-6
     eta = [table.locate((float(c[0]), float(c[1]), float(c[2])))[0] for c in flown]
-    speed = loop.mission.speed_at((0.0, 10.0, -20.0))
+    speed = loop.mission.alpha(0.0)
     for time, here in zip(t, eta, strict=True):
         assert abs(table.difference(here, table.within(12.0 + speed * time))) < 1e-6
 

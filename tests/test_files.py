@@ -80,7 +80,7 @@ def test_a_good_mission() -> None:
     assert mission.origin is Origin.LOCAL
     assert mission.gains is not None
     assert mission.gains.h1 == (16.0, 32.0, 24.0, 8.0)
-    assert mission.speed_at((0.0, 10.0, -20.0)) == 3.0
+    assert mission.alpha(0.0) == 3.0
     assert mission.path.table.length == pytest.approx(20.0 * math.pi)
 
 
@@ -214,13 +214,14 @@ def test_origins_frames_and_yaws() -> None:
     for yaw in ("tangent", "{tangent: 90}", "{look_at: [0, 0, 0]}", "90", "atan2(y, x)*180/pi"):
         read(MISSION.replace("yaw: 0.0", f"yaw: {yaw}"))
     facing = mission_from(parse(MISSION.replace("yaw: 0.0", "yaw: {look_at: [0, 0, 0]}"), "m"), Level.MOTORS)
-    assert abs(facing.yaw_at((10.0, 0.0, -20.0), (0.0, 1.0, 0.0))) == pytest.approx(math.pi)  # from north, look south
-    assert facing.placed((0.0, 5.0, 0.0)).yaw_at((0.0, 0.0, -20.0), (0, 1, 0)) == pytest.approx(math.pi / 2)
+    assert facing.beta(0.0) == pytest.approx(-math.pi / 2)  # from the east, look west
+    assert facing.placed((0.0, 5.0, 0.0)).beta(0.0) == pytest.approx(-math.pi / 2)  # the point moves with the path
+    assert abs(facing.beta(5.0 * math.pi)) == pytest.approx(math.pi)  # from the north, look south
     along = mission_from(parse(MISSION.replace("yaw: 0.0", "yaw: {tangent: 90}"), "m"), Level.MOTORS)
-    assert along.yaw_at((0.0, 10.0, -20.0), (0.0, 1.0, 0.0)) == pytest.approx(math.pi)
+    assert along.beta(0.0) == pytest.approx(math.pi / 2)
     backwards = MISSION.replace("yaw: 0.0", "yaw: tangent").replace("speed: 3.0", "speed: -3.0")
     reverse = mission_from(parse(backwards, "m"), Level.MOTORS)
-    assert reverse.yaw_at((0.0, 10.0, -20.0), (0.0, 1.0, 0.0)) == pytest.approx(-math.pi / 2)  # the way it travels
+    assert abs(reverse.beta(0.0)) == pytest.approx(math.pi)  # the way it travels
 
 
 @pytest.mark.parametrize("name", names("missions"))

@@ -17,7 +17,7 @@ from companion.calculus.vectors import Vector
 from companion.frames import rotation_from_euler
 from companion.law.bare import LawError, bare_law
 from companion.law.feedback import Bounds
-from companion.law.flight import Ramp, Thrust, implicit_law
+from companion.law.flight import Flying, Ramp, implicit_law
 from companion.law.gains import Gains, Level
 from companion.law.implicit import Specification
 from companion.law.motion import Model
@@ -146,16 +146,17 @@ def test_the_factored_form_equals_the_lie_derivative_form(name: str) -> None:
         for _ in range(25):
             chi = random_state(rng, level)
             if level is Level.RATES:
-                w, thrust = (0.0, 0.0, 0.0), Thrust(chi[9])
+                w, zeta, zeta_dot = (0.0, 0.0, 0.0), chi[9], 0.0
             else:
-                w, thrust = (chi[9], chi[10], chi[11]), Thrust(chi[12], chi[13])
+                w, zeta, zeta_dot = (chi[9], chi[10], chi[11]), chi[12], chi[13]
             # the yaw error is not wrapped in the bare form: compare where it need not be
             wanted = bare(chi)
             h4 = wanted.xi[-2] if level is Level.MOTORS else wanted.xi[-1]
             shift = math.tau * round(h4 / math.tau)
             wanted = bare([*chi[:3], chi[3] - shift, *chi[4:]])
             p, q, r = chi[:3], chi[6:9], rotation_from_euler(*chi[3:6])
-            command = flown((p[0], p[1], p[2]), (q[0], q[1], q[2]), r, w, thrust, (0.0, 0.0, 0.0), Ramp())
+            flying = Flying((p[0], p[1], p[2]), (q[0], q[1], q[2]), r, zeta, w, zeta_dot)
+            command = flown(flying, Ramp())
             assert error([command.zeta_derivative, *command.turn], wanted.inputs) < 1e-9
 
 
@@ -218,8 +219,9 @@ def test_bounds_do_not_touch_a_small_error() -> None:
     gains = Gains((625.0, 500.0, 150.0, 20.0), (625.0, 500.0, 150.0, 20.0), (27.0, 27.0, 9.0), (4.0, 4.0))
     free = implicit_law(spec, Level.MOTORS, model_of(MODEL), gains, None)
     bound = implicit_law(spec, Level.MOTORS, model_of(MODEL), gains, Bounds())
-    args = ((0.3, 5.2, -5.1), (2.5, 0.1, 0.0), rotation_from_euler(0.2, 0.1, -0.1), (0.1, 0.0, 0.1), Thrust(16.0, 1.0))
-    a, b = (law(*args, (0.0, 0.0, 0.0), Ramp()) for law in (free, bound))
+    r = rotation_from_euler(0.2, 0.1, -0.1)
+    flying = Flying((0.3, 5.2, -5.1), (2.5, 0.1, 0.0), r, 16.0, (0.1, 0.0, 0.1), 1.0)
+    a, b = (law(flying, Ramp()) for law in (free, bound))
     assert a.zeta_derivative == pytest.approx(b.zeta_derivative, rel=1e-12)
     assert a.turn == pytest.approx(b.turn, rel=1e-12)
 
@@ -230,11 +232,10 @@ def test_bounds_hold_what_a_large_error_asks() -> None:
     gains = Gains((625.0, 500.0, 150.0, 20.0), (625.0, 500.0, 150.0, 20.0), (27.0, 27.0, 9.0), (4.0, 4.0))
     bound = implicit_law(spec, Level.MOTORS, model_of(MODEL), gains, Bounds())
     level = rotation_from_euler(0.0, 0.0, 0.0)
-    hover = Thrust(MODEL["m"] * MODEL["g"])
+    hover = MODEL["m"] * MODEL["g"]
 
     def asked(up: float) -> float:
-        command = bound((0.0, 5.0, -5.0 - up), (3.0, 0.0, 0.0), level, (0.0, 0.0, 0.0), hover, (0.0, 0.0, 0.0), Ramp())
-        return command.zeta_derivative
+        return bound(Flying((0.0, 5.0, -5.0 - up), (3.0, 0.0, 0.0), level, hover), Ramp()).zeta_derivative
 
     assert asked(10.0) == pytest.approx(asked(1.5), rel=1e-9)
     assert abs(asked(1.0)) < abs(asked(1.5))

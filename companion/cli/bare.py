@@ -17,6 +17,7 @@ from companion.law.gains import Level, default_gains
 from companion.law.motion import Model
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
+from companion.paths.implicit import ImplicitPath
 from companion.paths.tracing import PathError
 from companion.vehicle import Vehicle
 
@@ -47,7 +48,7 @@ class _Curve:
         if not self._traced:
             self._traced = True
             path = self._path
-            if path.near is None:
+            if isinstance(path, ImplicitPath) and path.near is None:
                 path = dataclasses.replace(path, near=path.placement.to_mission(p_n))
             try:
                 self._table = path.table

@@ -55,8 +55,7 @@ def start_of(mission: Mission, held: bool = True) -> Start:
         u, v, w = mission.placement.turned(given.velocity)
         attitude = quaternion_from_euler(given.heading, given.pitch, given.roll)
         return Start((x, y, z), (u, v, w), attitude, given.rates_b, held=held)
-    point, mu, _ = mission.path.table.at(0.0)
-    return Start.hover(point, mission.yaw_at(point, mu))
+    return Start.hover(mission.table.at(0.0)[0], mission.beta(0.0))
 
 
 def in_lockstep(simulation: Simulation) -> int:

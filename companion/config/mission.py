@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator
@@ -207,6 +207,7 @@ PATH_POLE_MIN = {Level.MOTORS: 1.5, Level.RATES: 1.0}
 """Slower poles are not gentler but unsafe: small gains make large errors, where the law is far from linear."""
 POLE_MAX = 15.0
 LOOK_AT_MIN = 0.5
+CHECK_SAMPLES = 400
 
 
 def load_mission(name: str, level: Level | None) -> Mission:
@@ -232,7 +233,7 @@ def mission_from(document: Document, level: Level | None) -> Mission:
     faults: list[Fault] = []
     gains = None if level is None else _gains(document, model.gains, level, faults, check=True)
     mission = _mission(model, gains)
-    if mission.path.near is None:
+    if isinstance(mission.path, ImplicitPath) and mission.path.near is None:
         faults.append(document.fault(("path", "near"), "missing; expected a point [x, y, z] near the path, in m"))
     else:
         faults += _along(document, mission)
@@ -257,8 +258,8 @@ def _mission(model: MissionModel, gains: Gains | None) -> Mission:
     mission = Mission(
         name=model.mission,
         path=path,
-        speed=_speed(model.speed, names),
-        yaw=_yaw(model.yaw, names),
+        speed=_speed(model.speed, names, constants),
+        yaw=_yaw(model.yaw, names, constants),
         gains=gains,
         laps=model.laps,
         start=None if model.start is None else _start(model.start),
@@ -269,11 +270,15 @@ def _mission(model: MissionModel, gains: Gains | None) -> Mission:
     return mission.placed((0.0, 0.0, 0.0))
 
 
-def _speed(given: Any, names: Sequence[str]) -> Speed:
-    return SpeedExpression(parse_expression(given, names)) if isinstance(given, str) else ConstantSpeed(float(given))
+def _speed(given: Any, names: Sequence[str], constants: Mapping[str, float]) -> Speed:
+    return (
+        SpeedExpression(parse_expression(given, names), constants)
+        if isinstance(given, str)
+        else ConstantSpeed(float(given))
+    )
 
 
-def _yaw(given: Any, names: Sequence[str]) -> Yaw:
+def _yaw(given: Any, names: Sequence[str], constants: Mapping[str, float]) -> Yaw:
     if isinstance(given, LookAtModel):
         return LookAt(_triple(given.look_at))
     if isinstance(given, TangentModel):
@@ -281,7 +286,7 @@ def _yaw(given: Any, names: Sequence[str]) -> Yaw:
     if given == "tangent":
         return TangentYaw()
     if isinstance(given, str):
-        return YawExpression(parse_expression(given, names))
+        return YawExpression(parse_expression(given, names), constants)
     return ConstantYaw(math.radians(given))
 
 
@@ -358,16 +363,17 @@ def _speed_of_gains(
 def _along(document: Document, mission: Mission) -> list[Fault]:
     """What only following the curve shows."""
     try:
-        table = mission.path.table
+        table = mission.table
     except PathError as error:
         return [document.fault(("path",), str(error))]
     faults: dict[str, Fault] = {}
     signs = set()
-    for point in table.samples(400)[1]:
-        p_n = _triple(point)
+    for i in range(CHECK_SAMPLES):
+        s = table.length * i / CHECK_SAMPLES
+        p_n, tangent, _ = table.at(s)
         where = f"at {_mission_place(mission, p_n)}"
         try:
-            speed = mission.speed_at(p_n)
+            speed = mission.alpha(s)
             signs.add(speed > 0.0)
             if not abs(speed) >= SPEED_MIN:
                 message = f"{speed:.3g} m/s {where}; expected at least {SPEED_MIN:g} m/s everywhere, or it never leaves"
@@ -375,14 +381,13 @@ def _along(document: Document, mission: Mission) -> list[Fault]:
         except (ValueError, ArithmeticError) as error:
             faults.setdefault("speed", document.fault(("speed",), f"is not defined {where}: {error}"))
         try:
-            tangent = table.at(table.locate(p_n)[0])[1] if isinstance(mission.yaw, TangentYaw) else (1.0, 0.0, 0.0)
             if isinstance(mission.yaw, TangentYaw) and math.hypot(*tangent[:2]) < 1e-3:
                 faults.setdefault("yaw", document.fault(("yaw",), f"tangent has no heading {where}: it is vertical"))
             target = mission.yaw.target_n if isinstance(mission.yaw, LookAt) else (math.inf, math.inf, 0.0)
             if math.hypot(target[0] - p_n[0], target[1] - p_n[1]) < LOOK_AT_MIN:
                 message = f"the path passes within {LOOK_AT_MIN:g} m of the point to face, {where}; no heading there"
                 faults.setdefault("yaw", document.fault(("yaw",), message))
-            if not math.isfinite(mission.yaw_at(p_n, tangent)):
+            if not math.isfinite(mission.beta(s)):
                 faults.setdefault("yaw", document.fault(("yaw",), f"is not finite {where}"))
         except (ValueError, ArithmeticError) as error:
             faults.setdefault("yaw", document.fault(("yaw",), f"is not defined {where}: {error}"))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from companion.calculus.scalar import Scalar, maximum, minimum, sqrt, wrap
 from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Vector
+from companion.law.closest import Closest, projected
 from companion.law.gains import Gains, Level
 from companion.law.implicit import Outputs
 
@@ -23,6 +24,7 @@ class Bounds:
     ``path_error`` m, ``speed_error`` m/s: errors beyond are used as if they were this large. ``yaw_rate`` rad/s,
     ``yaw_acceleration`` rad/s^2: holding a heading at a steep tilt must not take the thrust that carries the vehicle.
     ``yaw_divisor``: the least |R22| used where the yaw channel divides by it; the path is followed either way.
+    ``q_min``: the least share of Q, the nearness of the evolute (see ``closest``).
     """
 
     path_error: float = 1.5
@@ -30,6 +32,7 @@ class Bounds:
     yaw_rate: float = 1.5
     yaw_acceleration: float = 10.0
     yaw_divisor: float = 0.2
+    q_min: float = 0.25
 
 
 def clamped(value: Scalar, limit: float) -> Scalar:
@@ -69,6 +72,26 @@ def wanted_derivative(known: Outputs, level: Level, gains: Gains, bounds: Bounds
     v3 = linear(gains.h3, errors3) - known.h3.derivative(n3)
     wanted: Vector = mu * v3 + across1 * v1 + across2 * v2
     return wanted
+
+
+def wanted_on_curve(
+    seen: Closest, alpha: Taylor, level: Level, gains: Gains, bounds: Bounds | None
+) -> tuple[Vector, tuple[Scalar, ...]]:
+    """The snap (motors) or jerk (rates) that gives the transverse and the speed errors their linear dynamics, and h3
+    with its known derivatives. ``alpha``: the wanted speed as a series in time."""
+    _, _, n3, _ = level.degrees
+    T = seen.T[0]
+    errors3 = tuple(speed - alpha.derivative(k) for k, speed in enumerate(seen.vT))
+    used3 = list(errors3)
+    offset = seen.w[0]
+    if bounds is not None:
+        offset = offset * (bounds.path_error / maximum(bounds.path_error, offset.norm()))
+        used3[0] = clamped(used3[0], bounds.speed_error)
+    normal = -seen.cross
+    for gain, error in zip(gains.h1, (offset, *seen.w[1:]), strict=True):
+        normal = normal - error * gain
+    tangential = linear(gains.h3, used3) + alpha.derivative(n3) - seen.along
+    return projected(T, normal) + T * tangential, errors3
 
 
 def wanted_heading_acceleration(

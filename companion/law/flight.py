@@ -8,9 +8,9 @@ Without bounds, drag and wrap it equals the paper's u = D^-1 (-b + v) to roundin
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from companion.calculus.scalar import Scalar
 from companion.calculus.straight import Function, Tape
@@ -18,19 +18,26 @@ from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Rotation, Vector
 from companion.frames import Matrix3, Vec3
 from companion.law.bare import LawError
+from companion.law.closest import closest
 from companion.law.feedback import (
     Bounds,
     clamped,
     wanted_derivative,
     wanted_heading_acceleration,
     wanted_heading_rate,
+    wanted_on_curve,
     yaw_divisor,
 )
 from companion.law.flatness import HeadingRate, body_acceleration, body_rates, heading, torques
 from companion.law.gains import Gains, Level
-from companion.law.implicit import Outputs, Specification, outputs
+from companion.law.implicit import Specification, outputs
 from companion.law.motion import Model, Motion, acceleration, jerk
+from companion.paths.curve import Curve
+from companion.profiles import ConstantYaw, SpeedOverArc, Yaw, YawExpression
 from companion.vehicle import Vehicle
+
+NOWHERE = (0.0, 0.0, 0.0)
+REGULARITY_MIN = 1e-4
 
 
 class Ramp(NamedTuple):
@@ -41,11 +48,23 @@ class Ramp(NamedTuple):
     acceleration: float = 0.0
 
 
-class Thrust(NamedTuple):
-    """The dynamic extension (Eq. 4): zeta in N and zeta_dot in N/s, both states of the controller."""
+class Flying(NamedTuple):
+    """The state the law is evaluated at.
 
+    Position m, velocity m/s and ``r_nb`` in the world frame, body rates rad/s. ``zeta`` N and ``zeta_dot`` N/s: the
+    dynamic extension (Eq. 4). ``disturbance`` m/s^2 (world) and ``drag`` 1/s: what is known beyond the paper's model.
+    ``s``: arc length near the closest point. At the level of rates ``w_b`` and ``zeta_dot`` are not used.
+    """
+
+    p_n: Vec3
+    v_n: Vec3
+    r_nb: Matrix3
     zeta: float
+    w_b: Vec3 = NOWHERE
     zeta_dot: float = 0.0
+    disturbance: Vec3 = NOWHERE
+    drag: float = 0.0
+    s: float = 0.0
 
 
 class Command(NamedTuple):
@@ -53,7 +72,8 @@ class Command(NamedTuple):
 
     ``zeta_derivative``: zeta_ddot (motors) or zeta_dot (rates). ``turn``: torques in N m (motors) or body rates in
     rad/s (rates). ``tangent``: mu, in the world frame. ``speed``: mu . V; ``alpha``: the mission's speed here. ``yaw``:
-    psi and ``beta`` in rad. ``regularity``: the sine of the angle between the gradients, 0 where the law is singular.
+    psi and ``beta`` in rad. ``regularity``: 0 where the law is singular: the sine of the angle between the gradients,
+    or on a curve Q, 1 on it and 0 on its evolute.
     """
 
     zeta_derivative: float
@@ -66,38 +86,69 @@ class Command(NamedTuple):
     regularity: float
 
 
+class Law(Protocol):
+    """The law of one mission for one vehicle at one level."""
+
+    def __call__(self, flying: Flying, ramp: Ramp) -> Command:
+        """The command at a state. LawError: singular, or outside the domain of the mission's expressions."""
+
+
 def model_of(vehicle: Vehicle) -> Model:
-    """What the law believes of ``vehicle``."""
+    """What the law believes of ``vehicle``, with the drag its file gives."""
     return Model(vehicle.mass, Vector(*vehicle.inertia), vehicle.gravity, vehicle.drag)
 
 
 @dataclass(frozen=True, slots=True)
 class ImplicitLaw:
-    """The law for h1 = h2 = 0 at one level, for one vehicle and one set of gains."""
+    """The law for h1 = h2 = 0."""
 
-    level: Level
     step: Function
 
-    def __call__(
-        self, p_n: Vec3, v_n: Vec3, r_nb: Matrix3, w_b: Vec3, thrust: Thrust, disturbance: Vec3, ramp: Ramp
-    ) -> Command:
-        """The command at a state. LawError: singular, or outside the domain of the mission's expressions."""
-        zeta, zeta_dot = thrust
-        if not zeta > 0.0:
-            raise LawError(f"singular: thrust {zeta:.3g} N")
-        try:
-            values = self.step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, *ramp)
-        except (ValueError, ArithmeticError) as error:
-            raise LawError(f"the law is not defined at {_place(p_n)}: {error}") from None
-        if not math.isfinite(sum(values)):
-            raise LawError(f"the law is not finite at {_place(p_n)}")
-        command = Command(values[0], values[1:4], values[4:7], *values[7:])  # type: ignore[arg-type]
+    def __call__(self, flying: Flying, ramp: Ramp) -> Command:
+        """See Law."""
+        command = _called(self.step, flying, ramp, ())
         if command.regularity < REGULARITY_MIN:
-            raise LawError(f"singular: the gradients of h1 and h2 are parallel at {_place(p_n)}")
+            raise LawError(f"singular: the gradients of h1 and h2 are parallel at {_place(flying.p_n)}")
         return command
 
 
-REGULARITY_MIN = 1e-4
+@dataclass(frozen=True, slots=True)
+class CurveLaw:
+    """The law for a parametrised curve. The closest point is sought near ``flying.s``."""
+
+    step: Function
+    curve: Curve
+    speed: SpeedOverArc
+    yaw: Yaw
+    bounded: bool
+
+    def __call__(self, flying: Flying, ramp: Ramp) -> Command:
+        """See Law."""
+        curve = self.curve
+        u, derivatives = curve.closest(flying.p_n, curve.parameter(flying.s))
+        s = curve.arc(u)
+        try:
+            beta = self.yaw.at(s) if isinstance(self.yaw, ConstantYaw | YawExpression) else _NO_YAW
+            known = (*(c for derivative in derivatives for c in derivative), *self.speed.at(s), *beta)
+        except (ValueError, ArithmeticError) as error:
+            raise LawError(f"speed or yaw is not defined at s = {s:.2f} m: {error}") from None
+        command = _called(self.step, flying, ramp, known)
+        if not self.bounded and command.regularity < REGULARITY_MIN:
+            raise LawError(f"singular: {_place(flying.p_n)} is a centre of curvature of the path")
+        return command
+
+
+def _called(step: Function, flying: Flying, ramp: Ramp, known: Sequence[float]) -> Command:
+    p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, _ = flying
+    if not zeta > 0.0:
+        raise LawError(f"singular: thrust {zeta:.3g} N")
+    try:
+        values = step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *ramp, *known)
+    except (ValueError, ArithmeticError) as error:
+        raise LawError(f"the law is not defined at {_place(p_n)}: {error}") from None
+    if not math.isfinite(sum(values)):
+        raise LawError(f"the law is not finite at {_place(p_n)}")
+    return Command(values[0], values[1:4], values[4:7], *values[7:])  # type: ignore[arg-type]
 
 
 def _place(p_n: Vec3) -> str:
@@ -107,12 +158,64 @@ def _place(p_n: Vec3) -> str:
 def implicit_law(
     specification: Specification, level: Level, model: Model, gains: Gains, bounds: Bounds | None
 ) -> ImplicitLaw:
-    """Records the law. ValueError or ArithmeticError: an expression that is nowhere defined."""
-    record: Callable[..., Function] = _motors if level is Level.MOTORS else _rates
-    return ImplicitLaw(level, record(specification, model, gains, bounds))
+    """Records the law of an implicit path. ValueError, ArithmeticError: an expression that is nowhere defined."""
+    tape = Tape()
+    model, motion, factor = _inputs(tape, model)
+    known = outputs(specification, _derivatives(level, model, motion), factor)
+    wanted = wanted_derivative(known, level, gains, bounds)
+    sine = known.grad1.cross(known.grad2).norm() / (known.grad1.norm() * known.grad2.norm())
+    told = (*known.mu.components(), known.mu @ motion.V, known.alpha)
+    return ImplicitLaw(_finished(tape, level, model, motion, gains, bounds, wanted, told, known.beta, sine))
 
 
-def _inputs(tape: Tape) -> tuple[Motion, Taylor]:
+def curve_law(
+    curve: Curve, speed: SpeedOverArc, yaw: Yaw, level: Level, model: Model, gains: Gains, bounds: Bounds | None,
+    direction: float,
+) -> CurveLaw:  # fmt: skip
+    """Records the law of a parametrised curve. The gains of h1 serve both normal directions. ``direction``: any number
+    with the sign of the speed."""
+    tape = Tape()
+    model, motion, factor = _inputs(tape, model)
+    derivatives = tuple(Vector(*tape.inputs(*(f"g{k}{axis}" for axis in "xyz"))) for k in range(5))
+    motion_derivatives = _derivatives(level, model, motion)
+    seen = closest(derivatives[: len(motion_derivatives) + 1], motion_derivatives, bounds.q_min if bounds else 0.0)
+    alpha = _along(tape.inputs("a0", "a1", "a2", "a3"), seen.s)
+    wanted, _ = wanted_on_curve(seen, factor * alpha, level, gains, bounds)
+    beta_inputs = tape.inputs("b0", "b1", "b2", "b3")
+    if isinstance(yaw, ConstantYaw | YawExpression):
+        beta = _along(beta_inputs, seen.s)
+    else:
+        forward = 1.0 if direction >= 0.0 else -1.0
+        travel = tuple(
+            Taylor(column) * forward for column in zip(*(v.components() for v in _taylor(seen.T)), strict=True)
+        )
+        beta = yaw.value({}, seen.gamma, travel)
+    told = (*seen.T[0].components(), seen.vT[0], alpha.c[0])
+    step = _finished(tape, level, model, motion, gains, bounds, wanted, told, beta, seen.Q)
+    return CurveLaw(step, curve, speed, yaw, bounds is not None)
+
+
+_NO_YAW = (0.0, 0.0, 0.0, 0.0)
+
+
+def _taylor(derivatives: tuple[Vector, ...]) -> tuple[Vector, ...]:
+    """Time derivatives over their factorials, up to the second: all that a heading needs."""
+    return (derivatives[0], derivatives[1], derivatives[2] * 0.5)
+
+
+def _along(derivatives: Sequence[Scalar], s: Taylor) -> Taylor:
+    """f(s(t)) as a series in time, from f and its derivatives over s."""
+    total: Scalar = Taylor((derivatives[0], *(0.0 for _ in s.c[1:])))
+    power: Scalar = 1.0
+    factorial = 1.0
+    for k, derivative in enumerate(derivatives[1:], 1):
+        power, factorial = s * power, factorial * k
+        total = total + power * (derivative / factorial)
+    assert isinstance(total, Taylor)
+    return total
+
+
+def _inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor]:
     X = Vector(*tape.inputs("x", "y", "z"))
     V = Vector(*tape.inputs("vx", "vy", "vz"))
     r = tape.inputs(*(f"r{i}{j}" for i in range(3) for j in range(3)))
@@ -120,43 +223,40 @@ def _inputs(tape: Tape) -> tuple[Motion, Taylor]:
     w = Vector(*tape.inputs("p", "q", "r"))
     zeta, zeta_dot = tape.inputs("zeta", "zeta_dot")
     disturbance = Vector(*tape.inputs("dx", "dy", "dz"))
+    (drag,) = tape.inputs("c")
     factor, rate, acceleration_ = tape.inputs("f", "f_dot", "f_ddot")
-    return Motion(X, V, R, w, zeta, zeta_dot, disturbance), Taylor((factor, rate, 0.5 * acceleration_, 0.0, 0.0))
+    motion = Motion(X, V, R, w, zeta, zeta_dot, disturbance)
+    return Model(model.m, model.J, model.g, drag), motion, Taylor((factor, rate, 0.5 * acceleration_, 0.0, 0.0))
 
 
-def _motors(specification: Specification, model: Model, gains: Gains, bounds: Bounds | None) -> Function:
-    tape = Tape()
-    motion, factor = _inputs(tape)
+def _derivatives(level: Level, model: Model, motion: Motion) -> tuple[Vector, ...]:
+    """(X, V, A) for rates, (X, V, A, J) for motors."""
     A = acceleration(model, motion)
-    J = jerk(model, motion, A)
-    known = outputs(specification, (motion.X, motion.V, A, J), factor)
-    snap = wanted_derivative(known, Level.MOTORS, gains, bounds)
+    known = (motion.X, motion.V, A)
+    return (*known, jerk(model, motion, A)) if level is Level.MOTORS else known
+
+
+def _finished(
+    tape: Tape, level: Level, model: Model, motion: Motion, gains: Gains, bounds: Bounds | None,
+    wanted: Vector, told: tuple[Scalar, ...], beta: Taylor, regularity: Scalar,
+) -> Function:  # fmt: skip
+    """From the wanted derivative of the position to thrust and turning, by flatness; and what the flight reports."""
     psi = heading(motion.R)
-    psi_dot = HeadingRate(motion.R).of(motion.w)
-    psi_ddot = wanted_heading_acceleration(psi, psi_dot, known.beta, gains, bounds)
     divisor = yaw_divisor(motion.R.e3.z, bounds)
-    zeta_ddot, w_dot = body_acceleration(model, motion, snap, J, psi_ddot, divisor)
-    if bounds is not None:
-        w_dot.z = clamped(w_dot.z, bounds.yaw_acceleration)
-    turn = torques(model, motion.w, w_dot)
-    return tape.function("motors", [zeta_ddot, *turn.components(), *_told(motion, known, psi)])
-
-
-def _rates(specification: Specification, model: Model, gains: Gains, bounds: Bounds | None) -> Function:
-    tape = Tape()
-    motion, factor = _inputs(tape)
     A = acceleration(model, motion)
-    known = outputs(specification, (motion.X, motion.V, A), factor)
-    J = wanted_derivative(known, Level.RATES, gains, bounds)
-    psi = heading(motion.R)
-    psi_dot = wanted_heading_rate(psi, known.beta, gains)
-    zeta_dot, w = body_rates(model, motion, J, A, psi_dot, yaw_divisor(motion.R.e3.z, bounds))
-    if bounds is not None:
-        w.z = clamped(w.z, bounds.yaw_rate)
-    return tape.function("rates", [zeta_dot, *w.components(), *_told(motion, known, psi)])
-
-
-def _told(motion: Motion, known: Outputs, psi: Scalar) -> tuple[Scalar, ...]:
-    """What the flight reports beside the command: mu, mu . V, alpha, psi, beta, regularity."""
-    sine = known.grad1.cross(known.grad2).norm() / (known.grad1.norm() * known.grad2.norm())
-    return (*known.mu.components(), known.mu @ motion.V, known.alpha, psi, known.beta.derivative(0), sine)
+    if level is Level.MOTORS:
+        psi_dot = HeadingRate(motion.R).of(motion.w)
+        psi_ddot = wanted_heading_acceleration(psi, psi_dot, beta, gains, bounds)
+        J = jerk(model, motion, A)
+        zeta_derivative, w_dot = body_acceleration(model, motion, wanted, J, psi_ddot, divisor)
+        if bounds is not None:
+            w_dot.z = clamped(w_dot.z, bounds.yaw_acceleration)
+        turn = torques(model, motion.w, w_dot)
+    else:
+        psi_dot = wanted_heading_rate(psi, beta, gains)
+        zeta_derivative, turn = body_rates(model, motion, wanted, A, psi_dot, divisor)
+        if bounds is not None:
+            turn.z = clamped(turn.z, bounds.yaw_rate)
+    return tape.function(
+        level.name.lower(), [zeta_derivative, *turn.components(), *told, psi, beta.derivative(0), regularity]
+    )

@@ -84,11 +84,11 @@ def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
             before = s
             s, distance = plan.table.nearest(p_n, s, 1.0 + 0.2 * math.hypot(*v_n))
             travelled += plan.direction * plan.table.difference(s, before)
-        point, mu, _ = plan.table.at(s)
+        _, mu, _ = plan.table.at(s)
         w, x, y, z = map(float, row["q_nb"])
         r_nb = rotation_matrix((w, x, y, z))
         speed = mu[0] * v_n[0] + mu[1] * v_n[1] + mu[2] * v_n[2]
-        alpha = plan.mission.speed_at(point)
+        alpha = plan.mission.alpha(s)
         yaw = math.atan2(r_nb[3], r_nb[0])
         collected.append(
             (
@@ -97,7 +97,7 @@ def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
                 speed,
                 alpha,
                 speed - alpha,
-                wrap(yaw - plan.mission.yaw_at(point, mu)),
+                wrap(yaw - plan.mission.beta(s)),
                 travelled,
                 math.atan2(r_nb[7], r_nb[8]),
                 math.asin(max(-1.0, min(1.0, -r_nb[6]))),

@@ -8,12 +8,10 @@ from typing import NamedTuple
 from companion.allocation import Allocation, Four
 from companion.estimation.prediction import advanced
 from companion.frames import Vec3, rotation_matrix, upright_error
-from companion.law.flight import ImplicitLaw, Ramp, Thrust
+from companion.law.flight import Flying, Law, Ramp
 from companion.steering.steering import Steered
 from companion.steering.thrust import ThrustRange, thrust_range
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
-
-NO_DISTURBANCE = (0.0, 0.0, 0.0)
 
 
 class Extension(NamedTuple):
@@ -33,7 +31,7 @@ class MotorSteering:
     the state in the middle of that time; at 1 kHz the paper's case 2 then flies within 0.001 deg of its exact tilt.
     """
 
-    law: ImplicitLaw
+    law: Law
     vehicle: Vehicle
     allocation: Allocation
     range: ThrustRange
@@ -42,23 +40,32 @@ class MotorSteering:
         """zeta = m g, zeta_dot = 0 (the paper's section V)."""
         return Extension(self.vehicle.weight)
 
-    def steer(self, memory: Extension, state: VehicleState, dt: float, ramp: Ramp) -> Steered:
-        """Motor commands for ``state``. Raises LawError."""
+    def steer(self, memory: Extension, state: VehicleState, dt: float, ramp: Ramp, s: float) -> Steered:
+        """See Steering."""
         half = 0.5 * dt
         zeta, zeta_dot, zeta_ddot, _ = memory
-        middle = Thrust(zeta + half * zeta_dot, zeta_dot + half * zeta_ddot)
+        middle = zeta + half * zeta_dot
         there = state if dt == 0.0 else advanced(state, *self._motion(state, memory), half)
-        r_nb = rotation_matrix(there.q_nb)
-        command = self.law(there.p_n, there.v_n, r_nb, there.w_b, middle, NO_DISTURBANCE, ramp)
+        flying = Flying(
+            p_n=there.p_n,
+            v_n=there.v_n,
+            r_nb=rotation_matrix(there.q_nb),
+            zeta=middle,
+            w_b=there.w_b,
+            zeta_dot=zeta_dot + half * zeta_ddot,
+            drag=self.vehicle.drag,
+            s=s,
+        )
+        command = self.law(flying, ramp)
         later, later_dot, bound = self.range.twice_integrated(zeta, zeta_dot, command.zeta_derivative, dt)
-        allocated = self.allocation.allocate((middle.zeta, *command.turn))
+        allocated = self.allocation.allocate((middle, *command.turn))
         return Steered(
             setpoint=MotorSetpoint(allocated.commands),
             memory=Extension(later, later_dot, command.zeta_derivative, command.turn),
             command=command,
             zeta=later,
             zeta_dot=later_dot,
-            thrust_n=middle.zeta,
+            thrust_n=middle,
             saturated=bound or allocated.saturated,
         )
 
@@ -93,7 +100,7 @@ class MotorSteering:
         return (jx * (36.0 * error_x - 12.0 * p), jy * (36.0 * error_y - 12.0 * q), -jz * 4.0 * r)
 
 
-def motor_steering(law: ImplicitLaw, vehicle: Vehicle) -> MotorSteering:
+def motor_steering(law: Law, vehicle: Vehicle) -> MotorSteering:
     """Steering for ``vehicle``. AllocationError: rotors that cannot make every thrust and torque."""
     allocation = Allocation(vehicle)
     _ = allocation.inverse

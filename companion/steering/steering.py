@@ -34,8 +34,11 @@ class Steering(Protocol):
     def begin(self) -> SteeringMemory:
         """The memory when taking over from a hover."""
 
-    def steer(self, memory: SteeringMemory, state: VehicleState, dt: float, ramp: Ramp) -> Steered:
-        """The setpoint for ``state``. ``dt``: s since the last step, 0 to hold the extension. Raises LawError."""
+    def steer(self, memory: SteeringMemory, state: VehicleState, dt: float, ramp: Ramp, s: float) -> Steered:
+        """The setpoint for ``state``, whose nearest point on the path lies at arc length ``s`` (m).
+
+        ``dt``: s since the last step, 0 to hold the extension. Raises LawError.
+        """
 
     def level(self, state: VehicleState | None) -> Setpoint:
         """A setpoint that levels and hovers: from a fresh state, or from none (then it asks for no turning)."""
