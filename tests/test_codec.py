@@ -11,7 +11,7 @@ from pymavlink.dialects.v20 import development as pymavlink
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import BY_NAME, FORMATS, Format, Value, _declare
 
-EXTENDED_BY_US = {"SET_ATTITUDE_TARGET"}
+EXTENDED_BY_US = {"SET_ATTITUDE_TARGET", "MISSION_CURRENT", "MISSION_COUNT", "MISSION_ACK"}
 KNOWN_TO_PYMAVLINK = [FORMATS[i] for i in sorted(pymavlink.mavlink_map) if FORMATS[i].name not in EXTENDED_BY_US]
 
 

@@ -41,7 +41,7 @@ def test_every_frame_of_the_session_is_accounted_for() -> None:
         decoder.datagram(raw)
     counters = decoder.counters
     assert sum(len(raw) + 8 for raw in raws) == len(SESSION)
-    assert (counters.frames, counters.unknown) == (967, 6)  # ESC_STATUS and others of PX4's own
+    assert (counters.frames, counters.unknown) == (973, 0)
     assert (counters.bad_crc, counters.garbage_bytes, counters.lost) == (0, 0, 0)
     names = Counter(frame.format.name for frame in frames(SESSION))
     assert names["ATTITUDE_QUATERNION"] == 219

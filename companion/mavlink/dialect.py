@@ -1,8 +1,8 @@
 """The messages we can read and write: pymavlink's generated tables, and the few messages of PX4 they lack.
 
-pymavlink's wheel is generated from ArduPilot's fork of the definitions. It has no EVENT, CURRENT_EVENT_SEQUENCE or
-PARAM_ERROR, and its SET_ATTITUDE_TARGET lacks the extension field ``thrust_body``; those are declared below from the
-MAVLink specification, and their CRC extras are computed by its rule.
+pymavlink's wheel is generated from ArduPilot's fork of the definitions. It has no EVENT, PARAM_ERROR, ESC_STATUS and
+others, its SET_ATTITUDE_TARGET lacks the extension field ``thrust_body`` and its mission messages the opaque ids; those
+are declared below from the MAVLink specification, and their CRC extras are computed by its rule.
 """
 
 from __future__ import annotations
@@ -123,6 +123,32 @@ def _from_pymavlink(message: Any) -> Format:
 FORMATS: dict[int, Format] = {msgid: _from_pymavlink(message) for msgid, message in _pymavlink.mavlink_map.items()}
 for _format in (
     _declare(
+        8,
+        "LINK_NODE_STATUS",
+        "uint64_t timestamp, uint8_t tx_buf, uint8_t rx_buf, uint32_t tx_rate, uint32_t rx_rate, "
+        "uint16_t rx_parse_err, uint16_t tx_overflows, uint16_t rx_overflows, uint32_t messages_sent, "
+        "uint32_t messages_received, uint32_t messages_lost",
+    ),
+    _declare(
+        42,
+        "MISSION_CURRENT",
+        "uint16_t seq",
+        extensions="uint16_t total, uint8_t mission_state, uint8_t mission_mode, uint32_t mission_id, "
+        "uint32_t fence_id, uint32_t rally_points_id",
+    ),
+    _declare(
+        44,
+        "MISSION_COUNT",
+        "uint8_t target_system, uint8_t target_component, uint16_t count",
+        extensions="uint8_t mission_type, uint32_t opaque_id",
+    ),
+    _declare(
+        47,
+        "MISSION_ACK",
+        "uint8_t target_system, uint8_t target_component, uint8_t type",
+        extensions="uint8_t mission_type, uint32_t opaque_id",
+    ),
+    _declare(
         82,
         "SET_ATTITUDE_TARGET",
         "uint32_t time_boot_ms, uint8_t target_system, uint8_t target_component, uint8_t type_mask, float q[4], "
@@ -130,10 +156,39 @@ for _format in (
         extensions="float thrust_body[3]",
     ),
     _declare(
+        290,
+        "ESC_INFO",
+        "uint8_t index, uint64_t time_usec, uint16_t counter, uint8_t count, uint8_t connection_type, uint8_t info, "
+        "uint16_t failure_flags[4], uint32_t error_count[4], int16_t temperature[4]",
+    ),
+    _declare(
+        291,
+        "ESC_STATUS",
+        "uint8_t index, uint64_t time_usec, int32_t rpm[4], float voltage[4], float current[4]",
+    ),
+    _declare(
+        300,
+        "PROTOCOL_VERSION",
+        "uint16_t version, uint16_t min_version, uint16_t max_version, uint8_t spec_version_hash[8], "
+        "uint8_t library_version_hash[8]",
+    ),
+    _declare(
         345,
         "PARAM_ERROR",
         "uint8_t target_system, uint8_t target_component, char param_id[16], int16_t param_index, uint8_t error",
     ),
+    _declare(
+        380,
+        "TIME_ESTIMATE_TO_TARGET",
+        "int32_t safe_return, int32_t land, int32_t mission_next_item, int32_t mission_end, int32_t commanded_action",
+    ),
+    _declare(
+        395,
+        "COMPONENT_INFORMATION",
+        "uint32_t time_boot_ms, uint32_t general_metadata_file_crc, char general_metadata_uri[100], "
+        "uint32_t peripherals_metadata_file_crc, char peripherals_metadata_uri[100]",
+    ),
+    _declare(397, "COMPONENT_METADATA", "uint32_t time_boot_ms, uint32_t file_crc, char uri[100]"),
     _declare(
         410,
         "EVENT",
@@ -151,6 +206,11 @@ for _format in (
         "RESPONSE_EVENT_ERROR",
         "uint8_t target_system, uint8_t target_component, uint16_t sequence, uint16_t sequence_oldest_available, "
         "uint8_t reason",
+    ),
+    _declare(
+        514,
+        "ESTIMATOR_SENSOR_FUSION_STATUS",
+        "uint8_t intended[9], uint8_t active[9], float test_ratio[9]",
     ),
 ):
     FORMATS[_format.id] = _format
