@@ -124,7 +124,7 @@ class Bridge:
             self.autopilot.observe(self._observe(truth), truth)
         self._tell()
         now_us += self._step_us
-        built: dict[int, Values] = {}  # what one link has just said is said to the other too
+        built: dict[int, Values | None] = {}  # what one link has just said is said to the other too
         for endpoint, link in enumerate(self.links):
             link.stream(now_us, built)
             if link.outbox:

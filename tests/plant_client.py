@@ -34,6 +34,7 @@ class Client:
         self.heard: list[Heard] = []
         self._encoders = (Encoder(1, 191), Encoder(255, 190))
         self._decoders = (Decoder(), Decoder())
+        self._heartbeat_at: float | None = None
 
     def listen(self) -> None:
         for endpoint, datagram in self.bridge.datagrams():
@@ -65,8 +66,16 @@ class Client:
         return self.command(SET_MODE, 1, mode.main, mode.sub, endpoint=endpoint)
 
     def ground_station(self) -> None:
-        """The operator's heartbeat, which opens the link for texts."""
+        """The operator's heartbeat, which opens the link for texts; every second from now on."""
         self.send("HEARTBEAT", 1, type=6, autopilot=8)
+        self._heartbeat_at = self.bridge.now + 1.0
+
+    def step(self) -> None:
+        """One step of the plant."""
+        if self._heartbeat_at is not None and self.bridge.now >= self._heartbeat_at:
+            self.ground_station()
+        self.bridge.step()
+        self.listen()
 
     def rates(self, p: float = 0.0, q: float = 0.0, r: float = 0.0, thrust: float = 0.5, mask: int = 0x80) -> None:
         self.send(
@@ -83,16 +92,14 @@ class Client:
         while self.bridge.now < until:
             if every_step is not None:
                 every_step()
-            self.bridge.step()
-            self.listen()
+            self.step()
 
     def run_until(self, happens: Any, at_most: float) -> float:
         """Let time pass until ``happens()``; how long it took. Fails after ``at_most`` s."""
         start = self.bridge.now
         while not happens():
             assert self.bridge.now - start < at_most, "it did not happen"
-            self.bridge.step()
-            self.listen()
+            self.step()
         return self.bridge.now - start
 
     def all(self, name: str, endpoint: int = 0, since: float = -1.0) -> list[dict[str, Any]]:

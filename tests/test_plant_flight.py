@@ -142,7 +142,7 @@ def test_hold_after_the_rotors_were_flown_directly(vehicle: str) -> None:
     [
         ((6.0, -4.0, -5.0), 10.0, 14.4),  # within the acceptance radius: twice the distance
         ((0.0, 9.0, -30.0), 10.0, 30.0),  # already higher
-        ((25.0, 0.0, -3.0), 10.0, 60.0),  # far
+        ((25.0, 0.0, -3.0), 10.0, 30.0),  # far
         ((25.0, 0.0, -3.0), 40.0, 25.0),  # within the cone
     ],
 )

@@ -18,7 +18,6 @@ from tests.plant_client import (
     SET_MODE,
     TAKEOFF,
     TEMPORARILY_REJECTED,
-    UNSUPPORTED,
     Client,
 )  # fmt: skip
 
@@ -85,8 +84,9 @@ def test_arming_without_a_take_off_ends_by_itself() -> None:
 def test_arming_parameters() -> None:
     client = Client("sih")
     client.ground_station()
-    assert client.command(ARM, 2) == UNSUPPORTED
-    assert client.command(ARM, NAN) == UNSUPPORTED
+    assert client.command(ARM, 2) is None  # as PX4: a text, no answer
+    assert client.texts()[-1] == "Unsupported ARM_DISARM param: 2.000\t"
+    assert client.command(ARM, NAN) == TEMPORARILY_REJECTED  # no number is none: disarm
     assert client.command(ARM, 0) == TEMPORARILY_REJECTED
     assert client.texts()[-1] == "Disarming denied: not landed\t"
     assert client.command(ARM, 0, 21196) == ACCEPTED  # by force: the motors are cut
@@ -110,7 +110,7 @@ def test_in_the_air_a_mode_that_cannot_run_is_refused() -> None:
     client = Client("sih")
     client.ground_station()
     for mode, name in ((Mode.OFFBOARD, "Offboard"), (Mode.POSITION, "Position"), (Mode.MISSION, "Mission")):
-        assert client.mode(mode) == TEMPORARILY_REJECTED
+        assert client.mode(mode, endpoint=1) == TEMPORARILY_REJECTED
         assert client.texts()[-1] == f"Switching to {name} is currently not available\t"
         assert client.flown is Mode.HOLD
     assert client.command(SET_MODE, 1, 99, 0) == TEMPORARILY_REJECTED

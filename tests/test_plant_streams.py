@@ -24,10 +24,22 @@ from tests.plant_client import (
 
 ONBOARD_HZ = {
     "ATTITUDE": 100, "ATTITUDE_QUATERNION": 50, "GLOBAL_POSITION_INT": 50, "HIGHRES_IMU": 50,
-    "LOCAL_POSITION_NED": 30, "ODOMETRY": 30, "TIMESYNC": 10, "EXTENDED_SYS_STATE": 5, "SYS_STATUS": 5,
-    "HEARTBEAT": 1, "PING": 1, "BATTERY_STATUS": 0.5, "CURRENT_MODE": 0.5, "HOME_POSITION": 0.5,
+    "LOCAL_POSITION_NED": 30, "ODOMETRY": 30, "TIMESYNC": 10, "ALTITUDE": 10, "DISTANCE_SENSOR": 10, "ESC_INFO": 10,
+    "ESC_STATUS": 10, "ATTITUDE_TARGET": 10, "POSITION_TARGET_LOCAL_NED": 10, "SERVO_OUTPUT_RAW": 10, "VFR_HUD": 10,
+    "GPS_RAW_INT": 8, "EXTENDED_SYS_STATE": 5, "SYS_STATUS": 5, "HEARTBEAT": 1, "PING": 1, "SYSTEM_TIME": 1,
+    "ESTIMATOR_STATUS": 1, "SCALED_PRESSURE": 1, "LINK_NODE_STATUS": 1, "ESTIMATOR_SENSOR_FUSION_STATUS": 1,
+    "GNSS_INTEGRITY": 1, "OPEN_DRONE_ID_LOCATION": 1, "OPEN_DRONE_ID_SYSTEM": 1, "BATTERY_STATUS": 0.5,
+    "CURRENT_MODE": 0.5, "HOME_POSITION": 0.5, "VIBRATION": 0.5, "TIME_ESTIMATE_TO_TARGET": 0.5,
 }  # fmt: skip
-GROUND_HZ = {"ATTITUDE": 50, "ATTITUDE_QUATERNION": 50, "LOCAL_POSITION_NED": 50, "SYS_STATUS": 1, "HEARTBEAT": 1}
+"""px4.md section 1: what PX4 sends a companion."""
+GROUND_HZ = {
+    "ATTITUDE": 50, "ATTITUDE_QUATERNION": 50, "ATTITUDE_TARGET": 50, "LOCAL_POSITION_NED": 50,
+    "GLOBAL_POSITION_INT": 50, "SERVO_OUTPUT_RAW": 50, "POSITION_TARGET_LOCAL_NED": 50, "GPS_RAW_INT": 5, "VFR_HUD": 4,
+    "SYS_STATUS": 1, "HEARTBEAT": 1, "ALTITUDE": 1, "EXTENDED_SYS_STATE": 1, "PING": 0.1, "VIBRATION": 0.1,
+    "ESTIMATOR_STATUS": 0.5, "DISTANCE_SENSOR": 0.5, "HOME_POSITION": 0.5,
+}  # fmt: skip
+BESIDES = {"POSITION_TARGET_GLOBAL_INT", "MISSION_CURRENT", "CURRENT_EVENT_SEQUENCE"} & set()
+"""What is sent by other rules."""
 MOVING = Start((1.0, 2.0, -30.0), (3.0, -1.0, 0.5), quaternion_from_euler(2.0, 0.1, -0.2), (0.1, 0.2, -0.3))
 
 
@@ -42,10 +54,11 @@ def test_default_rates_are_px4s(vehicle: str) -> None:
     client = Client(vehicle)
     client.run(0.5)
     start = client.bridge.now
-    client.run(8.0)
+    client.run(10.0)
     for endpoint, table in enumerate((ONBOARD_HZ, GROUND_HZ)):
         for name, hz in table.items():
-            assert len(client.all(name, endpoint, since=start)) == pytest.approx(hz * 8.0, abs=1.01), name
+            assert len(client.all(name, endpoint, since=start)) == pytest.approx(hz * 10.0, abs=1.01), name
+    assert {h.name for h in client.heard if h.endpoint == 0 and h.at > start} == {*ONBOARD_HZ, *BESIDES}
     assert not client.all("ACTUATOR_OUTPUT_STATUS")
 
 
@@ -61,7 +74,7 @@ def test_default_rates_are_px4s(vehicle: str) -> None:
         ("LOCAL_POSITION_NED", 2000, 125),
         ("ACTUATOR_OUTPUT_STATUS", 20000, 50),
         ("EXTENDED_SYS_STATE", 100000, 10),
-        ("CURRENT_MODE", 33333, 30),
+        ("CURRENT_MODE", 33333, 2),  # no more often than the status is published
         ("HIL_STATE_QUATERNION", 4000, 250),
     ],
 )
@@ -177,12 +190,14 @@ def test_identity_shows_direct_motors_and_nothing_else_does() -> None:
 
 def test_requests_for_what_is_not_there() -> None:
     client = Client("sih")
-    for msgid in (24, 77, 12345, -1, NAN, 1e20):
+    for msgid in (24, 77, 12345, -1):
         assert client.command(REQUEST, msgid) == DENIED
+    for msgid in (NAN, 1e20, 65536.0):  # PX4 casts: all of these are 0, the heartbeat
+        assert client.command(REQUEST, msgid) == ACCEPTED
     for command in (519, 520, 31000, 9999):
         assert client.command(command) == UNSUPPORTED
     assert client.command(246, 1.0) == DENIED
-    assert client.command(400, 1.0, 0.0, 0.0, 0.0, 2147483647.0) == DENIED  # an unused integer, cast
+    assert client.command(400, 1.0, 0.0, 0.0, 0.0, 2147483647.0, 2147483647.0) == DENIED  # integers not given, cast
 
 
 def test_commands_for_others_are_not_answered() -> None:
@@ -198,7 +213,7 @@ def test_commands_for_others_are_not_answered() -> None:
 
 def test_command_int_is_a_command_too() -> None:
     client = Client("sih")
-    client.send("COMMAND_INT", command=REQUEST, param1=242.0)
+    client.send("COMMAND_INT", command=REQUEST, param1=242.0, frame=5)
     assert client.last("COMMAND_ACK")["result"] == ACCEPTED
     assert client.all("HOME_POSITION")
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from companion.frames import Vec3
+from companion.frames import Quaternion, Vec3
 from companion.geodesy import MapProjection
 from companion.mavlink.modes import Landed, Mode
 from companion.vehicle import Vehicle
 from companion.world import Home
 from sim_bridge.autopilot import parameters
+from sim_bridge.autopilot.battery import Battery
 from sim_bridge.autopilot.commander import READY_AFTER, Commander, Result, Severity
 from sim_bridge.autopilot.guidance import Guidance, Throttle
 from sim_bridge.autopilot.landing import LandingDetector
 from sim_bridge.autopilot.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
+from sim_bridge.autopilot.whereabouts import Whereabouts
 from sim_bridge.control.cascade import Cascade
 from sim_bridge.plant import Truth
 from sim_bridge.rotors import Four
@@ -19,6 +21,8 @@ from sim_bridge.sensors import Estimate
 
 SUPERVISION_US = 20_000
 """The period at which timers, landing and the end of modes are looked at."""
+UNIX_US_AT_BOOT = 1_767_225_600_000_000
+"""What the wall's clock shows at boot where nobody sets it: the first of January 2026."""
 
 
 class Autopilot:
@@ -35,14 +39,18 @@ class Autopilot:
         self.home = home
         self.projection = MapProjection(home.latitude, home.longitude)
         self.direct = direct
-        self.parameters = parameters.defaults()
+        self.parameters = parameters.of(vehicle, home)
+        self.battery = Battery(self.parameters)
         self.commander = Commander(self.parameters, READY_AFTER)
         self.guidance = Guidance(self.parameters)
+        self.whereabouts = Whereabouts(self.guidance)
         self.cascade = Cascade(vehicle, step)
         self.estimate = estimate
         self.truth = truth
         self.demand: Demand | None = None
         self.offboard_flown = False
+        self.unix_us_at_boot = UNIX_US_AT_BOOT
+        self.attitude_told: tuple[int, Quaternion, float] = (0, (1.0, 0.0, 0.0, 0.0), 0.0)  # by ATTITUDE_TARGET
         self._landing = LandingDetector(landed=True)
         self._stands = True
         self._supervise_at_us = 0
@@ -54,6 +62,7 @@ class Autopilot:
         self.truth = truth
         self.commander = Commander(self.parameters, ready_at=0.0)
         self.commander.begin_in_flight()
+        self.whereabouts.begin_in_flight()
         self._landing = LandingDetector(landed=False)
         self.guidance.enter(Mode.HOLD, estimate)
         self._stands = False
@@ -120,6 +129,7 @@ class Autopilot:
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
         commander.update(self.t)
+        self.whereabouts.update(estimate, commander.armed, commander.landed)
 
     def offboard(self, demand: Demand) -> None:
         """An offboard setpoint. Motor commands count only where the vehicle takes them."""
@@ -130,9 +140,9 @@ class Autopilot:
             self.demand = demand
             self.offboard_flown = True
 
-    def request_mode(self, mode: Mode) -> Result:
-        """Somebody asks for a mode."""
-        result = self.commander.request_mode(mode, self.t)
+    def request_mode(self, mode: Mode, aloud: bool = True) -> Result:
+        """Somebody asks for a mode. ``aloud``: a refusal is told in words."""
+        result = self.commander.request_mode(mode, self.t, aloud)
         if result is Result.ACCEPTED and mode is Mode.RETURN:
             height = self.guidance.return_height(self.estimate)
             above = round(height + self.home.altitude), round(height)
@@ -140,6 +150,15 @@ class Autopilot:
                 Severity.INFO, f"RTL: start return at {above[0]} m ({above[1]} m above destination)\t"
             )  # fmt: skip
         return result
+
+    def go_to(
+        self, level: tuple[float, float] | None, down: float | None, heading: float | None, speed: float | None
+    ) -> None:
+        """In HOLD: hold at another place (m, NED), heading (rad) and cruise speed (m/s); None: as it is."""
+        if self.commander.mode is Mode.HOLD:
+            if self._flown is not Mode.HOLD:
+                self._enter(Mode.HOLD)
+            self.guidance.go_to(self.estimate, level, down, heading, speed)
 
     def _enter(self, mode: Mode) -> None:
         """Change what is flown. A demand that came with the change to offboard stays; others end with offboard."""

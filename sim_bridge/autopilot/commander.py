@@ -52,6 +52,9 @@ class Result(enum.IntEnum):
     DENIED = 2
     UNSUPPORTED = 3
     FAILED = 4
+    IN_PROGRESS = 5
+    CANCELLED = 6
+    UNSUPPORTED_FRAME = 9
 
 
 class Severity(enum.IntEnum):
@@ -114,14 +117,16 @@ class Commander:
         """Start armed, in the air, in HOLD."""
         self.armed, self.landed, self.has_flown = True, False, True
 
-    def request_mode(self, mode: Mode, t: float) -> Result:
-        """Somebody asks for a mode. On the ground any is taken: the refusal then comes at arming."""
+    def request_mode(self, mode: Mode, t: float, aloud: bool = True) -> Result:
+        """Somebody asks for a mode. On the ground any is taken: the refusal then comes at arming.
+
+        ``aloud``: a refusal is told in words.
+        """
         if self.armed and not self.can_run(mode, t):
             name = TITLES.get(mode, mode.name.replace("_", " ").title())
-            self.say(Severity.CRITICAL, f"Switching to {name} is currently not available\t")
+            if aloud:
+                self.say(Severity.CRITICAL, f"Switching to {name} is currently not available\t")
             return Result.TEMPORARILY_REJECTED
-        if mode is Mode.LAND and self.mode is not Mode.LAND:
-            self.say(Severity.INFO, "Landing at current position\t")
         self._intend(mode)
         return Result.ACCEPTED
 

@@ -52,6 +52,13 @@ class Guidance:
         self._place: Vec3 | None = None  # where the reference is led; None: to a stop
         self._opened_at: float | None = None
         self._climbing = self._landing = False
+        self.target: Target | None = None  # what was last asked of the position loop
+        self.cruise_speed: float | None = None  # m/s where somebody has asked for another than MPC_XY_CRUISE
+
+    @property
+    def destination(self) -> Vec3 | None:
+        """Where the reference is led (m, NED); None: to a stop."""
+        return self._place
 
     def enter(self, mode: Mode, now: Estimate) -> None:
         """Begin a mode from where the vehicle is and as fast as it moves."""
@@ -71,6 +78,20 @@ class Guidance:
             self.takeoff_to = None
         elif mode is Mode.RETURN:
             self._place = (north, east, self.home_n[2] - self.return_height(now))
+
+    def go_to(
+        self, now: Estimate, level: tuple[float, float] | None, down: float | None, heading: float | None,
+        speed: float | None,
+    ) -> None:  # fmt: skip
+        """Of HOLD: hold at another place (m, NED), heading (rad), at a cruise speed (m/s); None: as it is."""
+        before = self._place or self._reference.p_n
+        if level is None and down is None and heading is None:
+            self._place = None  # stop here
+        else:
+            self._place = (*(before[:2] if level is None else level), before[2] if down is None else down)
+        if heading is not None:
+            self._heading = heading
+        self.cruise_speed = speed
 
     @property
     def is_landing(self) -> bool:
@@ -95,6 +116,11 @@ class Guidance:
 
     def step(self, now: Estimate, t: float, on_ground: bool, touching: bool, step: float) -> Target | Throttle:
         """What to fly at ``t`` (s). ``on_ground``: not lifted off yet or landed; ``touching``: the ground is felt."""
+        wanted = self._wanted(now, t, on_ground, touching, step)
+        self.target = wanted if isinstance(wanted, Target) else None
+        return wanted
+
+    def _wanted(self, now: Estimate, t: float, on_ground: bool, touching: bool, step: float) -> Target | Throttle:
         if on_ground:
             self._reference = Reference(now.p_n, (0.0, 0.0, 0.0))
             return self._open_throttle(t) if self._mode is Mode.TAKEOFF else Throttle(0.0)
@@ -106,9 +132,24 @@ class Guidance:
             return Target((north, east, None), self._reference.v_n, self._heading, self._reference.a_n)
         if self._mode is Mode.RETURN:
             self._next_leg(now)
-        pace = PACE._replace(climb=self._parameters["MPC_TKO_SPEED"]) if self._mode is Mode.TAKEOFF else PACE
+        pace = self._pace
+        if self._mode is Mode.TAKEOFF:
+            pace = pace._replace(climb=self._parameters["MPC_TKO_SPEED"])
         self._reference = self._led(pace, step)
         return Target(self._reference.p_n, self._reference.v_n, self._heading, self._reference.a_n)
+
+    @property
+    def _pace(self) -> Pace:
+        """The limits the parameters set, with the cruise speed somebody has asked for."""
+        parameters = self._parameters
+        cruise = parameters["MPC_XY_CRUISE"] if self.cruise_speed is None else self.cruise_speed
+        return Pace(
+            max(0.1, min(cruise, parameters["MPC_XY_VEL_MAX"])),
+            max(0.1, parameters["MPC_Z_V_AUTO_UP"]),
+            max(0.1, parameters["MPC_Z_V_AUTO_DN"]),
+            max(0.1, parameters["MPC_ACC_HOR"]),
+            max(0.1, parameters["MPC_JERK_AUTO"]),
+        )
 
     def _led(self, pace: Pace, step: float) -> Reference:
         """The reference one step nearer to its place, or to a stop."""

@@ -5,22 +5,40 @@ from __future__ import annotations
 import math
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
-from companion.mavlink.dialect import Value, message
+from companion.mavlink.dialect import Format, Value, message
+from sim_bridge.autopilot import parameter_link
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import Result, Text
-from sim_bridge.autopilot.commands import NOT_GIVEN, NOT_GIVEN_CAST, SET_MODE, Command, execute, set_mode
-from sim_bridge.autopilot.messages import BUILDERS, Values
+from sim_bridge.autopilot.commands import NOT_GIVEN, SET_MODE, Command, execute, is_integer_max, set_mode
+from sim_bridge.autopilot.commands.parts import GROUND_STATION_COMPONENT
+from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
+from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
+from sim_bridge.autopilot.parameter_link import ParameterLink
 from sim_bridge.autopilot.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
 from sim_bridge.autopilot.streams import Streams
 
 SYSTEM, COMPONENT = 1, 1
 GROUND_STATION = 6  # MAV_TYPE_GCS
+HEARD_FOR_US = 2_500_000
+"""us after its last heartbeat for which a ground station counts as listening."""
 TEXT_SIZE = 50
+POLL_US = 10_000
+"""The period at which PX4 looks at what it owes to a link."""
+NOT_ON_REQUEST = frozenset({message("GPS_RAW_INT").id, message("TIME_ESTIMATE_TO_TARGET").id, message("PING").id})
+"""Messages a request is denied for: whatever there is to say has been streamed already."""
+
+GLOBAL_INT = 5  # MAV_FRAME_GLOBAL_INT
+NAN_CAST = 0x7FF80000
+"""What becomes of NaN where somebody casts it to a coordinate of COMMAND_INT."""
+KNOWN_TO_THE_LINK = frozenset({176, 212, 420, 510, 511, 512})
+"""Commands PX4's link deals with itself, whoever sends them."""
 
 _ACK = message("COMMAND_ACK")
+_AVAILABLE_MODES = message("AVAILABLE_MODES")
 _COMMAND_LONG, _COMMAND_INT = message("COMMAND_LONG"), message("COMMAND_INT")
 _HEARTBEAT = message("HEARTBEAT")
 _INTERVAL = message("MESSAGE_INTERVAL")
+_LINK_NODE_STATUS = message("LINK_NODE_STATUS")
 _PING, _TIMESYNC = message("PING"), message("TIMESYNC")
 _SET_MODE = message("SET_MODE")
 _TEXT = message("STATUSTEXT")
@@ -33,10 +51,16 @@ class Link:
         self._autopilot = autopilot
         self._streams = streams
         self._encoder = Encoder(SYSTEM, COMPONENT)
+        self._parameters = ParameterLink(autopilot.parameters, SYSTEM, self.emit)
+        self._builders = BUILDERS | {_LINK_NODE_STATUS.id: (_LINK_NODE_STATUS, self._link_node_status)}
+        self._editions: dict[int, object] = {}
         self._texts = 0
+        self._now_us = 0
+        self._poll_at_us = 0
+        self._ground_station_until_us = -1
+        self._sent = 0
         self.decoder = Decoder()
         self.outbox: list[bytes] = []
-        self.hears_ground_station = False
         self.peers: set[tuple[int, int]] = set()
         self._handlers = {
             _COMMAND_INT.id: self._command_int,
@@ -47,7 +71,15 @@ class Link:
             _TIMESYNC.id: self._timesync,
             ACTUATORS.id: self._actuators,
             ATTITUDE_TARGET.id: self._attitude_target,
+            parameter_link.READ.id: self._parameters.read,
+            parameter_link.LIST.id: self._parameters.list,
+            parameter_link.SET.id: self._parameters.set,
         }
+
+    @property
+    def hears_ground_station(self) -> bool:
+        """Whether a ground station listens at the other end."""
+        return self._now_us <= self._ground_station_until_us
 
     def receive(self, datagram: bytes) -> list[Frame]:
         """Take a datagram in; the frames in it. Garbage is counted by the decoder and never raises."""
@@ -59,80 +91,140 @@ class Link:
                 handler(frame)
         return frames
 
-    def stream(self, now_us: int, built: dict[int, Values]) -> None:
+    def stream(self, now_us: int, built: dict[int, Values | None]) -> None:
         """Send what is due at ``now_us`` of the bridge's clock. ``built``: what has been put together in this step."""
-        for msgid in self._streams.due(now_us):
-            fmt, build = BUILDERS[msgid]
-            values = built.get(msgid)
-            if values is None:
-                values = built[msgid] = build(self._autopilot)
-            self.outbox.append(self._encoder.encode(fmt, values))
+        self._now_us = now_us
+        streams = self._streams
+        for msgid in streams.due(now_us):
+            if msgid in EDITIONS and not self._is_new(msgid):
+                streams.again(msgid, sent=False)
+                continue
+            fmt, build = self._builders[msgid]
+            if msgid in built:
+                values = built[msgid]
+            else:
+                values = build(self._autopilot)
+                if msgid != _LINK_NODE_STATUS.id:
+                    built[msgid] = values
+            if values is not None:
+                self.outbox.append(self._encoder.encode(fmt, values))
+                self._sent += 1
+            streams.again(msgid, sent=values is not None)
+        if now_us >= self._poll_at_us:
+            self._poll_at_us = now_us + POLL_US
+            self._parameters.poll(now_us)
+
+    def emit(self, fmt: Format, values: tuple[Value, ...]) -> None:
+        """Queue a message."""
+        self.outbox.append(self._encoder.encode(fmt, values))
 
     def say(self, text: Text) -> None:
         """Send a text, in pieces if it is long, to a peer that has a ground station."""
+        if not self.hears_ground_station:
+            return
         data = text.text.encode("utf-8", "replace")
-        if self.hears_ground_station:
-            for piece, at in enumerate(range(0, len(data), TEXT_SIZE)):
-                values = (text.severity.value, data[at : at + TEXT_SIZE], self._texts & 0xFFFF, piece)
-                self.outbox.append(self._encoder.encode(_TEXT, values))
-            self._texts += 1
+        for piece, at in enumerate(range(0, len(data), TEXT_SIZE)):
+            self.emit(_TEXT, (text.severity.value, data[at : at + TEXT_SIZE], self._texts & 0xFFFF, piece))
+        self._texts += 1
 
-    def send(self, msgid: int) -> None:
-        """Send a message that has a builder, now."""
-        fmt, build = BUILDERS[msgid]
-        self.outbox.append(self._encoder.encode(fmt, build(self._autopilot)))
+    def request(self, msgid: int, argument: float) -> bool:
+        """Send a message now. False: there is no such message, or it has nothing to say."""
+        if msgid == _AVAILABLE_MODES.id:
+            return self._list_modes(argument)
+        if msgid not in self._builders or msgid in NOT_ON_REQUEST:
+            return False
+        fmt, build = self._builders[msgid]
+        values = build(self._autopilot)
+        if values is None:
+            return False
+        self.emit(fmt, values)
+        return True
 
     def tell_interval(self, msgid: int) -> None:
         """Send MESSAGE_INTERVAL for a message."""
-        self.outbox.append(self._encoder.encode(_INTERVAL, (self._streams.interval(msgid), msgid & 0xFFFF)))
+        self.emit(_INTERVAL, (self._streams.interval(msgid), msgid & 0xFFFF))
 
     def set_interval(self, msgid: int, interval_us: int) -> bool:
         """Change a stream's interval. False: it cannot be."""
         return self._streams.set_interval(msgid, interval_us)
 
+    def _is_new(self, msgid: int) -> bool:
+        """Whether there is another edition than was sent last; it counts as sent then."""
+        edition = EDITIONS[msgid](self._autopilot)
+        if edition is None or edition == self._editions.get(msgid):
+            return False
+        self._editions[msgid] = edition
+        return True
+
+    def _list_modes(self, argument: float) -> bool:
+        """One mode, or with 0 every one."""
+        index = round(argument) if math.isfinite(argument) else 0
+        if not 0 <= index <= len(AVAILABLE):
+            return False
+        for i in range(1, len(AVAILABLE) + 1) if index == 0 else (index,):
+            self.emit(_AVAILABLE_MODES, available_mode(i))
+        return True
+
+    def _link_node_status(self, autopilot: Autopilot) -> Values:
+        """LINK_NODE_STATUS: what has gone over this link."""
+        counters = self.decoder.counters
+        return _LINK_NODE_STATUS.values(
+            timestamp=autopilot.estimate.time_us,
+            messages_sent=self._sent & 0xFFFFFFFF,
+            messages_received=counters.frames & 0xFFFFFFFF,
+            messages_lost=counters.lost & 0xFFFFFFFF,
+            rx_parse_err=counters.bad_crc & 0xFFFF,
+        )
+
     def _acknowledge(self, command: int, result: Result, frame: Frame) -> None:
-        values = (command, result.value, 0, 0, frame.system, frame.component)
-        self.outbox.append(self._encoder.encode(_ACK, values))
+        self.emit(_ACK, (command, result.value, 0, 0, frame.system, frame.component))
 
     def _command_long(self, frame: Frame) -> None:
         a, b, c, d, e, f, g, command, system, component, _ = frame.values
-        if not _for_us(system, component):
-            return
-        if NOT_GIVEN_CAST in (e, f):
+        if is_integer_max(e) and is_integer_max(f):
             self._acknowledge(command, Result.DENIED, frame)
-            return
-        self._execute(command, (a, b, c, d, e, f, g), frame)
+        elif _for_us(system, component):
+            self._execute(command, (a, b, c, d, e, f, g), frame)
 
     def _command_int(self, frame: Frame) -> None:
-        a, b, c, d, x, y, z, command, system, component, *_ = frame.values
-        if _for_us(system, component):
-            e, f = (math.nan if value == NOT_GIVEN else float(value) for value in (x, y))
-            self._execute(command, (a, b, c, d, e, f, z), frame)
+        a, b, c, d, x, y, z, command, system, component, kind, *_ = frame.values
+        if x == y == NAN_CAST:
+            self._acknowledge(command, Result.DENIED, frame)
+        elif kind != GLOBAL_INT:  # the only one PX4 takes, looked at before the addressee
+            self._acknowledge(command, Result.UNSUPPORTED_FRAME, frame)
+        elif _for_us(system, component):
+            given = (math.nan, math.nan) if x == y == NOT_GIVEN else (x * 1e-7, y * 1e-7)
+            self._execute(command, (a, b, c, d, *given, z), frame)
 
     def _execute(
         self, command: int, parameters: tuple[float, float, float, float, float, float, float], frame: Frame
     ) -> None:
-        asked = Command(command, parameters, frame.system, frame.component)
-        self._acknowledge(command, execute(asked, self._autopilot, self), frame)
+        if (frame.system, frame.component) == (SYSTEM, COMPONENT) and command not in KNOWN_TO_THE_LINK:
+            return  # PX4 takes no orders from itself
+        result = execute(Command(command, parameters, frame.system, frame.component), self._autopilot, self)
+        if result is not None:
+            self._acknowledge(command, result, frame)
 
     def _set_mode(self, frame: Frame) -> None:
         custom, system, base = frame.values
         if system in (0, SYSTEM):
-            self._acknowledge(SET_MODE, set_mode(base, custom >> 16 & 0xFF, custom >> 24, self._autopilot), frame)
+            aloud = frame.component == GROUND_STATION_COMPONENT
+            result = set_mode(base, custom >> 16 & 0xFF, custom >> 24, self._autopilot, aloud)
+            self._acknowledge(SET_MODE, result, frame)
 
     def _heartbeat(self, frame: Frame) -> None:
         if frame.values[1] == GROUND_STATION:
-            self.hears_ground_station = True
+            self._ground_station_until_us = self._now_us + HEARD_FOR_US
 
     def _ping(self, frame: Frame) -> None:
         time_usec, sequence, system, component = frame.values
         if system == 0 and component == 0:  # a request to everybody
-            self.outbox.append(self._encoder.encode(_PING, (time_usec, sequence, frame.system, frame.component)))
+            self.emit(_PING, (time_usec, sequence, frame.system, frame.component))
 
     def _timesync(self, frame: Frame) -> None:
         theirs, ours = frame.values[:2]
         if theirs == 0:  # a request: their time comes back with ours
-            self.outbox.append(self._encoder.encode(_TIMESYNC, (self._autopilot.estimate.time_us * 1000, ours)))
+            self.emit(_TIMESYNC, (self._autopilot.estimate.time_us * 1000, ours))
 
     def _attitude_target(self, frame: Frame) -> None:
         if _targets_us(frame):

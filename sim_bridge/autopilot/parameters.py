@@ -1,25 +1,113 @@
-"""The figures a user may set, under PX4's names, with PX4's defaults in simulation."""
+"""The figures a user may set, under PX4's names, with PX4's types and its defaults in simulation.
+
+The table is parameters.txt. Most of it is only kept and told; what acts reads its own name here. A value is an ``int``
+where PX4's parameter is an int32; the rest are float32 on the wire.
+"""
 
 from __future__ import annotations
 
-Parameters = dict[str, float]
+import struct
+import zlib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+from companion.vehicle import Vehicle
+from companion.world import Home
+
+TABLE = Path(__file__).with_name("parameters.txt")
+VOLATILE = frozenset(
+    {"ASPD_SCALE_1", "COM_FLIGHT_UUID", "EKF2_MAG_DECL", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO", "SENS_DPRES_OFF"}
+)
+"""What changes by itself and is left out of the hash."""
+
+
+@cache
+def table() -> Mapping[str, float]:
+    """Name -> default, in the order of the index."""
+    rows = (line.split() for line in TABLE.read_text(encoding="ascii").splitlines() if not line.startswith("#"))
+    return {name: float(text) if "." in text or "e" in text else int(text) for name, text in rows}
+
+
+class Parameters(dict[str, float]):
+    """Values by name. ``defaults``: what a reset brings back; ``changes``: the names set over a link, oldest first."""
+
+    def __init__(self, defaults: Mapping[str, float]) -> None:
+        super().__init__(defaults)
+        self.defaults = dict(defaults)
+        self.names = tuple(defaults)
+        self.index = {name: i for i, name in enumerate(self.names)}
+        self.changes: list[str] = []
+
+    def is_integer(self, name: str) -> bool:
+        """Whether a parameter is an int32 rather than a float32."""
+        return isinstance(self.defaults[name], int)
+
+    def packed(self, name: str) -> bytes:
+        """The four bytes of a value as PX4 keeps and sends them."""
+        value = self[name]
+        return struct.pack("<i", int(value)) if self.is_integer(name) else _float32(value)
+
+    def unpack(self, name: str, raw: bytes) -> None:
+        """Set a value from its four bytes, and note that it was set if that changed it."""
+        if raw != self.packed(name):
+            (self[name],) = struct.unpack("<i" if self.is_integer(name) else "<f", raw)
+            self.changes.append(name)
+
+    def reset(self) -> None:
+        """Everything back to its default."""
+        for name, value in self.defaults.items():
+            if self[name] != value:
+                self[name] = value
+                self.changes.append(name)
+
+    @property
+    def hash(self) -> int:
+        """PX4's _HASH_CHECK: a CRC-32 without its inversions over names and values."""
+        crc = 0xFFFFFFFF
+        for name in self.names:
+            if name not in VOLATILE:
+                crc = zlib.crc32(self.packed(name), zlib.crc32(name.encode("ascii"), crc))
+        return crc ^ 0xFFFFFFFF
+
+
+def _float32(value: float) -> bytes:
+    try:
+        return struct.pack("<f", value)
+    except OverflowError:
+        return struct.pack("<f", float("inf") if value > 0.0 else float("-inf"))
 
 
 def defaults() -> Parameters:
-    """A fresh set."""
-    return {
-        "COM_DISARM_LAND": 2.0,  # s from landing to disarming
-        "COM_DISARM_PRFLT": 10.0,  # s from arming to disarming where no take-off follows
-        "COM_OBL_RC_ACT": 0,  # what follows the loss of offboard setpoints: see commander.OFFBOARD_LOST
-        "COM_OF_LOSS_T": 1.0,  # s without a setpoint until offboard is lost
-        "COM_SPOOLUP_TIME": 1.0,  # s the motors idle after arming before a take-off
-        "MIS_TAKEOFF_ALT": 2.5,  # m a take-off climbs where the command does not say
-        "MPC_LAND_CRWL": 0.3,  # m/s of the last metres
-        "MPC_LAND_SPEED": 0.7,  # m/s of a landing
-        "MPC_TKO_RAMP_T": 3.0,  # s to open the throttle in
-        "MPC_TKO_SPEED": 1.5,  # m/s of a take-off
-        "NAV_ACC_RAD": 10.0,  # m within which a place is reached
-        "RTL_DESCEND_ALT": 30.0,  # m above home
-        "RTL_RETURN_ALT": 60.0,  # m above home
-        "RTL_MIN_DIST": 10.0,  # m from home within which a return does not climb that high
-    }
+    """A fresh set, of no particular vehicle."""
+    return Parameters(table())
+
+
+def of(vehicle: Vehicle, home: Home) -> Parameters:
+    """A fresh set that describes a vehicle and where it stands."""
+    found = dict(table())
+    lever = max(abs(x) for rotor in vehicle.rotors for x in rotor.position_b[:2]) or 1.0
+    for i, rotor in enumerate(vehicle.rotors):
+        x, y, z = rotor.position_b
+        found[f"CA_ROTOR{i}_PX"], found[f"CA_ROTOR{i}_PY"], found[f"CA_ROTOR{i}_PZ"] = x / lever, y / lever, z / lever
+        found[f"CA_ROTOR{i}_KM"] = 0.05 * rotor.spin.reaction
+    first = vehicle.rotors[0]
+    (ixx, iyy, izz) = vehicle.inertia
+    hover = vehicle.weight / vehicle.thrust_max
+    found.update(
+        MPC_THR_HOVER=max(0.1, min(0.8, round(hover, 1))),  # as coarse as airframe files state it
+        SIH_MASS=vehicle.mass,
+        SIH_IXX=ixx,
+        SIH_IYY=iyy,
+        SIH_IZZ=izz,
+        SIH_T_MAX=first.thrust_max,
+        SIH_Q_MAX=first.thrust_max * first.torque_per_thrust,
+        SIH_L_ROLL=lever,
+        SIH_L_PITCH=lever,
+        SIH_T_TAU=vehicle.motor_lag,
+        SIH_KDV=vehicle.drag * vehicle.mass,
+        SIH_LOC_LAT0=home.latitude,
+        SIH_LOC_LON0=home.longitude,
+        SIH_LOC_H0=home.altitude,
+    )
+    return Parameters(found)

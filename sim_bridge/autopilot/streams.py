@@ -5,58 +5,36 @@ Times are microseconds of the bridge's own clock, which runs even while the vehi
 
 from __future__ import annotations
 
+import enum
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion.mavlink.dialect import BY_NAME
+from sim_bridge.autopilot.stream_table import ESTIMATOR_US, SILENT, TABLE, Row
 
 STOPPED = -1
-"""The interval of a stream that is off."""
+"""The interval of a stream that is off; also what PX4 tells of one that is not limited."""
 FIXED = frozenset({BY_NAME["HEARTBEAT"].id})
 """Streams whose interval nobody may change."""
-HIGH_RATE_US = 4000
-"""The period of PX4's gyro and attitude in simulation."""
-ESTIMATOR_US = 8000
-"""The period of PX4's estimator in simulation: what caps position and odometry."""
-
-ONBOARD: dict[str, float] = {
-    "ATTITUDE": 100.0,
-    "ATTITUDE_QUATERNION": 50.0,
-    "GLOBAL_POSITION_INT": 50.0,
-    "HIGHRES_IMU": 50.0,
-    "LOCAL_POSITION_NED": 30.0,
-    "ODOMETRY": 30.0,
-    "TIMESYNC": 10.0,
-    "EXTENDED_SYS_STATE": 5.0,
-    "SYS_STATUS": 5.0,
-    "HEARTBEAT": 1.0,
-    "PING": 1.0,
-    "BATTERY_STATUS": 0.5,
-    "CURRENT_MODE": 0.5,
-    "HOME_POSITION": 0.5,
-}
-"""Hz, what PX4 sends a companion by default."""
-GROUND_STATION: dict[str, float] = {
-    "ATTITUDE": 50.0,
-    "ATTITUDE_QUATERNION": 50.0,
-    "GLOBAL_POSITION_INT": 50.0,
-    "LOCAL_POSITION_NED": 50.0,
-    "EXTENDED_SYS_STATE": 1.0,
-    "SYS_STATUS": 1.0,
-    "HEARTBEAT": 1.0,
-    "BATTERY_STATUS": 0.5,
-    "CURRENT_MODE": 0.5,
-    "HOME_POSITION": 0.5,
-    "PING": 0.1,
-}
-"""Hz, what PX4 sends a ground station by default."""
-ON_REQUEST = ("ACTUATOR_OUTPUT_STATUS", "ATTITUDE", "HIGHRES_IMU", "HIL_STATE_QUATERNION", "ODOMETRY", "TIMESYNC")
-"""Streams that exist on every link, off where they are not on by default."""
-BY_ESTIMATOR = frozenset({"LOCAL_POSITION_NED", "ODOMETRY", "GLOBAL_POSITION_INT"})
-
-
+RETRY_US = 8_000
+"""us until a stream that had nothing to send is looked at again."""
 NOTHING: Sequence[int] = ()
+
+
+class Profile(enum.Enum):
+    """Who is at the other end of a link."""
+
+    ONBOARD = 0
+    GROUND_STATION = 1
+
+    def rate(self, row: Row) -> float | None:
+        """The default rate, Hz; None: off."""
+        return row[self.value]
+
+
+ONBOARD, GROUND_STATION = Profile
 
 
 class Boot(NamedTuple):
@@ -64,75 +42,110 @@ class Boot(NamedTuple):
 
     streams: float = 0.2
     heartbeat: float = 0.9
-    position: float = 2.7
 
 
 @dataclass(slots=True)
 class Stream:
-    """One message's stream: its default interval, its interval now, and how often its source is renewed (us)."""
+    """One message's stream: its default interval, its interval now, how often its source is renewed (us).
+
+    ``told_us``: the interval as MESSAGE_INTERVAL tells it. ``queued_us``: when it is looked at next; None: never.
+    """
 
     default_us: int
+    default_told_us: int
     interval_us: int
+    told_us: int
     source_us: int
     since_us: int
-    due_us: int
+    is_sent: bool
+    due_us: int = 0
+    queued_us: int | None = None
 
 
 class Streams:
-    """The streams of one link. ``rates``: Hz by message name. ``step_us``: the bridge's step.
+    """The streams of one link. ``step_us``: the bridge's step.
 
     ``direct``: the plant's own estimator runs at every step; otherwise PX4's ceilings hold.
     """
 
-    def __init__(self, rates: dict[str, float], step_us: int, *, direct: bool, boot: Boot | None) -> None:
+    def __init__(self, profile: Profile, step_us: int, *, direct: bool, boot: Boot | None) -> None:
         self._streams: dict[int, Stream] = {}
         self._calendar: dict[int, list[int]] = {}  # time -> the messages to send then
         self._now = 0
-        for name in dict.fromkeys((*rates, *ON_REQUEST)):
-            source = step_us if direct else max(step_us, ESTIMATOR_US if name in BY_ESTIMATOR else HIGH_RATE_US)
-            interval = round(1e6 / rates[name]) if name in rates else STOPPED
-            since = 0.0 if boot is None else boot.heartbeat if name == "HEARTBEAT" else boot.streams
-            if boot is not None and name == "GLOBAL_POSITION_INT":
-                since = boot.position
-            stream = Stream(interval, interval, source, round(since * 1e6), 0)
-            self._streams[BY_NAME[name].id] = stream
-            self._schedule(BY_NAME[name].id, stream, max(step_us, stream.since_us))
+        self._step_us = step_us
+        rows = {BY_NAME[name].id: row for name, row in TABLE.items()}
+        for msgid, row in (rows | SILENT).items():
+            source = step_us if direct and row.source_us <= ESTIMATOR_US else max(step_us, row.source_us)
+            interval, told = _intervals(profile.rate(row), source)
+            since = 0.0 if boot is None else boot.heartbeat if msgid in FIXED else boot.streams
+            stream = Stream(interval, told, interval, told, source, round(since * 1e6), msgid in rows)
+            self._streams[msgid] = stream
+            self._schedule(msgid, stream, max(step_us, stream.since_us))
 
     def interval(self, msgid: int) -> int:
         """The interval of a stream, us; STOPPED where there is none or it is off."""
         stream = self._streams.get(msgid)
-        return STOPPED if stream is None else stream.interval_us
+        return STOPPED if stream is None else stream.told_us
 
     def set_interval(self, msgid: int, interval_us: int) -> bool:
         """Change a stream: 0 back to its default, negative stops it. False: there is no such stream to change."""
         stream = self._streams.get(msgid)
         if stream is None or msgid in FIXED:
             return False
-        stream.interval_us = stream.default_us if interval_us == 0 else max(STOPPED, interval_us)
-        for messages in self._calendar.values():
-            if msgid in messages:
-                messages.remove(msgid)
+        if interval_us == 0:
+            stream.interval_us, stream.told_us = stream.default_us, stream.default_told_us
+        else:
+            stream.interval_us = stream.told_us = max(STOPPED, interval_us)
+        self._forget(msgid, stream)
         self._schedule(msgid, stream, max(self._now + 1, stream.since_us))
         return True
 
     def due(self, now_us: int) -> Sequence[int]:
-        """The messages to send at ``now_us``, each once. To be asked at every step: what is missed is never sent."""
+        """The messages to send at ``now_us``, each once; ``again`` is to be called for each of them.
+
+        To be asked at every step: what is missed is never sent.
+        """
         self._now = now_us
-        messages = self._calendar.pop(now_us, NOTHING)
-        for msgid in messages:
-            stream = self._streams[msgid]
+        return self._calendar.pop(now_us, NOTHING)
+
+    def again(self, msgid: int, sent: bool) -> None:
+        """A message that was due has been sent, or had nothing to say: when it is next."""
+        stream = self._streams[msgid]
+        if sent:
             # From the time it was due, so that the mean rate is right; not to catch up on what a source cannot give.
             due_us = stream.due_us + stream.interval_us
-            self._schedule(msgid, stream, due_us if due_us > now_us else now_us + 1)
-        return messages
+            self._schedule(msgid, stream, due_us if due_us > self._now else self._now + 1)
+        else:
+            self._schedule(msgid, stream, self._now + RETRY_US)
 
     def _schedule(self, msgid: int, stream: Stream, due_us: int) -> None:
-        """Queue the next sending, at the first renewal of the source that is not before ``due_us``."""
-        if stream.interval_us != STOPPED:
-            stream.due_us = due_us
-            renewed = -(-due_us // stream.source_us) * stream.source_us
-            messages = self._calendar.get(renewed)
-            if messages is None:
-                self._calendar[renewed] = [msgid]
-            else:
-                messages.append(msgid)
+        """Queue the next sending, at the first step after the source's first renewal that is not before ``due_us``."""
+        if stream.interval_us == STOPPED or not stream.is_sent:
+            stream.queued_us = None
+            return
+        stream.due_us = due_us
+        renewed = -(-due_us // stream.source_us) * stream.source_us
+        stream.queued_us = renewed = -(-renewed // self._step_us) * self._step_us
+        messages = self._calendar.get(renewed)
+        if messages is None:
+            self._calendar[renewed] = [msgid]
+        else:
+            messages.append(msgid)
+
+    def _forget(self, msgid: int, stream: Stream) -> None:
+        """Take a stream out of the calendar."""
+        if stream.queued_us is not None:
+            messages = self._calendar.get(stream.queued_us)
+            if messages is not None and msgid in messages:
+                messages.remove(msgid)
+            stream.queued_us = None
+
+
+def _intervals(rate: float | None, source_us: int) -> tuple[int, int]:
+    """The interval of a default rate and the interval that is told, us."""
+    if rate is None:
+        return STOPPED, STOPPED
+    if math.isinf(rate):
+        return source_us, STOPPED
+    interval = int(1e6 / rate)  # PX4 cuts
+    return interval, interval

@@ -36,6 +36,7 @@ class Cascade:
         self._aim: tuple[Quaternion, float, float] = ((1.0, 0.0, 0.0, 0.0), 0.0, 0.0)
         self.thrust = 0.0
         self.rates_wanted: RatesWanted = (0.0, 0.0, 0.0)
+        self.attitude_wanted: Quaternion = (1.0, 0.0, 0.0, 0.0)
         self.commands: Four = STOPPED
         self._by_hand = False
 
@@ -84,6 +85,7 @@ class Cascade:
         self, now: Estimate, attitude: Quaternion, thrust: float, heading_rate: float = 0.0, on_ground: bool = False
     ) -> Four:
         """An attitude and thrust, the heading turning at ``heading_rate`` rad/s."""
+        self.attitude_wanted = attitude
         return self.fly_rates(now, rates_for(now.q_nb, attitude, heading_rate), thrust, on_ground)
 
     @property

@@ -1,0 +1,131 @@
+"""Modes, arming, take-off, landing, return."""
+
+from __future__ import annotations
+
+import math
+
+from companion.mavlink.modes import Mode
+from sim_bridge.autopilot.autopilot import Autopilot
+from sim_bridge.autopilot.commander import FORCE, Result, Severity
+from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, byte, whole
+
+RETURN_TO_LAUNCH, LAND, TAKEOFF, PRECISION_LAND, ORBIT = 20, 21, 22, 23, 34  # MAV_CMD_NAV_* and DO_ORBIT
+SET_MODE, FLIGHT_TERMINATION, SET_STANDARD_MODE, ARM_DISARM = 176, 185, 262, 400
+
+CUSTOM, AUTO, GUIDED, STABILIZE, MANUAL_INPUT = 0x01, 0x04, 0x08, 0x10, 0x40  # MAV_MODE_FLAG
+ANY_SUB = {
+    1: Mode.MANUAL,
+    2: Mode.ALTITUDE,
+    5: Mode.ACRO,
+    6: Mode.OFFBOARD,
+    7: Mode.STABILIZED,
+    11: Mode.ALTITUDE_CRUISE,
+}
+"""Main modes whose sub mode is not looked at."""
+AUTO_MODES = {
+    0: Mode.MISSION, 2: Mode.TAKEOFF, 3: Mode.HOLD, 4: Mode.MISSION, 5: Mode.RETURN, 6: Mode.LAND, 8: Mode.FOLLOW,
+    9: Mode.PRECISION_LAND, 19: Mode.GUIDED_COURSE,
+}  # fmt: skip
+STANDARD = {
+    1: Mode.POSITION, 2: Mode.ORBIT, 4: Mode.ALTITUDE, 5: Mode.RETURN, 6: Mode.MISSION, 7: Mode.LAND, 8: Mode.TAKEOFF,
+}  # fmt: skip
+"""MAV_STANDARD_MODE."""
+
+
+def mode_asked(base: int, main: int, sub: int) -> Mode | str:
+    """The mode of DO_SET_MODE's parameters, or the text PX4 refuses it with."""
+    if not base & CUSTOM:
+        if base & AUTO:
+            return Mode.MISSION
+        if base & MANUAL_INPUT:
+            return Mode.POSITION if base & GUIDED else Mode.STABILIZED if base & STABILIZE else Mode.MANUAL
+        return "Unsupported base mode\t"
+    if main == 3:
+        return Mode.POSITION_SLOW if sub == Mode.POSITION_SLOW.sub else Mode.POSITION
+    if main == 4:
+        return AUTO_MODES.get(sub, "Unsupported auto mode\t")
+    return ANY_SUB.get(main, "Unsupported main mode\t")
+
+
+def set_mode(base: int, main: int, sub: int, autopilot: Autopilot, aloud: bool) -> Result:
+    """A change of mode, from a command or the old message. ``aloud``: a refusal is told in words."""
+    mode = mode_asked(base, main, sub)
+    if isinstance(mode, str):
+        autopilot.commander.say(Severity.CRITICAL, mode)
+        return Result.TEMPORARILY_REJECTED
+    return autopilot.request_mode(mode, aloud=aloud)
+
+
+def _set_mode(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    base, main, sub = map(byte, command.parameters[:3])
+    return set_mode(base, main, sub, autopilot, command.is_operators)
+
+
+def _set_standard_mode(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    mode = STANDARD.get(whole(command.parameters[0]))
+    return Result.FAILED if mode is None else autopilot.request_mode(mode, aloud=False)
+
+
+def _arm_disarm(command: Command, autopilot: Autopilot, wire: Wire) -> Result | None:
+    action = whole(command.parameters[0])
+    if action not in (0, 1):
+        autopilot.commander.say(Severity.CRITICAL, f"Unsupported ARM_DISARM param: {command.parameters[0]:.3f}\t")
+        return None
+    force = action == 0 and whole(command.parameters[1]) == FORCE  # nobody outside arms by force
+    return autopilot.commander.request_arming(action == 1, force, autopilot.t)
+
+
+def _take_off(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    altitude = command.parameters[6]
+    autopilot.guidance.takeoff_to = autopilot.home.altitude - altitude if math.isfinite(altitude) else None
+    return autopilot.request_mode(Mode.TAKEOFF)
+
+
+def _land(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    return _announced(Mode.LAND, "Landing at current position\t", autopilot)
+
+
+def _land_precisely(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    return _announced(Mode.PRECISION_LAND, "Precision landing\t", autopilot)
+
+
+def _return(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    return _announced(Mode.RETURN, "Returning to launch\t", autopilot)
+
+
+def _announced(mode: Mode, text: str, autopilot: Autopilot) -> Result:
+    """Change to ``mode`` and say so, before whatever the mode itself says."""
+    commander = autopilot.commander
+    before = len(commander.texts)
+    result = autopilot.request_mode(mode)
+    if result is Result.ACCEPTED:
+        said, commander.texts[before:] = commander.texts[before:], []
+        commander.say(Severity.INFO, text)
+        commander.texts += said
+    return result
+
+
+def _orbit(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    result = autopilot.request_mode(Mode.ORBIT, aloud=False)
+    if result is not Result.ACCEPTED:
+        autopilot.commander.say(Severity.CRITICAL, "Orbit command rejected")
+    return result
+
+
+def _terminate(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    if not command.parameters[0] > 0.5 or not autopilot.commander.armed:
+        return Result.DENIED
+    return autopilot.request_mode(Mode.TERMINATION, aloud=False)
+
+
+HANDLERS: dict[int, Handler] = {
+    RETURN_TO_LAUNCH: _return,
+    LAND: _land,
+    TAKEOFF: _take_off,
+    PRECISION_LAND: _land_precisely,
+    ORBIT: _orbit,
+    SET_MODE: _set_mode,
+    FLIGHT_TERMINATION: _terminate,
+    SET_STANDARD_MODE: _set_standard_mode,
+    ARM_DISARM: _arm_disarm,
+}

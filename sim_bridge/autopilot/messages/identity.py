@@ -1,0 +1,151 @@
+"""Who the vehicle is, what it can do, which mode it is in."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from companion.mavlink.dialect import message
+from companion.mavlink.modes import Mode
+from sim_bridge.autopilot.autopilot import Autopilot
+from sim_bridge.autopilot.files import GENERAL_METADATA, GENERAL_METADATA_URI
+from sim_bridge.autopilot.messages.parts import Values
+from sim_bridge.autopilot.setpoints import MotorDemand, RateDemand
+
+QUADROTOR, PX4 = 2, 12  # MAV_TYPE, MAV_AUTOPILOT
+ARMED, MANUAL_INPUT, STABILIZED, GUIDED, AUTO, CUSTOM = 0x80, 0x40, 0x10, 0x08, 0x04, 0x01
+CAPABILITIES = 0xE8FF
+SET_ACTUATOR_TARGET = 0x0400
+"""MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET: this autopilot takes motor commands."""
+VERSION = 1 << 24 | 19 << 16  # 1.19.0, development
+SYSTEM_VERSION = 6 << 24 | 1 << 16 | 255
+BUILD = (0, 0, 0, 0x52, 0x4F, 0x54, 0x4F, 0x52)
+"""Where PX4 tells the hash of its build: a sign of the stand-in for those who look."""
+UID = 0x5354_414E_4449_4E31
+
+
+def heartbeat(a: Autopilot) -> Values:
+    """HEARTBEAT."""
+    return (a.commander.mode.custom_mode, QUADROTOR, PX4, _base_mode(a), _system_status(a), 3)
+
+
+def _base_mode(a: Autopilot) -> int:
+    mode = a.commander.mode
+    bits = CUSTOM | (ARMED if a.commander.armed else 0)
+    if mode is Mode.OFFBOARD:
+        return bits | (0 if a.demand is None or isinstance(a.demand, RateDemand | MotorDemand) else STABILIZED)
+    if mode is Mode.ACRO:
+        return bits | MANUAL_INPUT
+    return bits | STABILIZED | (GUIDED | AUTO if mode.main == 4 else MANUAL_INPUT)
+
+
+def _system_status(a: Autopilot) -> int:
+    """MAV_STATE: 0 not ready, 3 standing by, 4 active, 5 in a failsafe."""
+    if a.commander.armed:
+        return 4 if a.commander.failsafe is None else 5
+    return 3 if a.commander.can_run(a.commander.mode, a.t) else 0
+
+
+def autopilot_version(a: Autopilot) -> Values:
+    """AUTOPILOT_VERSION; the capability to take motor commands is there exactly when they are taken."""
+    return message("AUTOPILOT_VERSION").values(
+        capabilities=CAPABILITIES | (SET_ACTUATOR_TARGET if a.direct else 0),
+        uid=UID,
+        flight_sw_version=VERSION,
+        middleware_sw_version=VERSION,
+        os_sw_version=SYSTEM_VERSION,
+        board_version=1,
+        flight_custom_version=BUILD,
+        middleware_custom_version=BUILD,
+    )
+
+
+def protocol_version(a: Autopilot) -> Values:
+    """PROTOCOL_VERSION: MAVLink 2."""
+    return message("PROTOCOL_VERSION").values(version=200, min_version=100, max_version=203)
+
+
+STANDARD_MODES = {
+    Mode.POSITION: 1, Mode.ORBIT: 2, Mode.ALTITUDE: 4, Mode.RETURN: 5, Mode.MISSION: 6, Mode.LAND: 7, Mode.TAKEOFF: 8,
+}  # fmt: skip
+"""MAV_STANDARD_MODE; 0 for the others."""
+
+
+def current_mode(a: Autopilot) -> Values:
+    """CURRENT_MODE: what is flown, and what the operator meant."""
+    mode = a.commander.mode
+    return (mode.custom_mode, a.commander.intent.custom_mode, STANDARD_MODES.get(mode, 0))
+
+
+class Available(NamedTuple):
+    """A row of AVAILABLE_MODES. ``properties``: 1 advanced, 2 not selectable by a user. Standard modes have no name."""
+
+    main: int
+    sub: int
+    standard: int
+    properties: int
+    name: str
+
+
+NOT_THERE = tuple(Available(4, sub, 0, 2, "(Mode not available)") for sub in range(11, 19))
+AVAILABLE = (
+    Available(1, 0, 0, 1, "Manual"),
+    Available(2, 0, 4, 0, ""),
+    Available(3, 0, 1, 0, ""),
+    Available(4, 4, 6, 1, ""),
+    Available(4, 3, 0, 1, "Hold"),
+    Available(4, 5, 5, 1, ""),
+    Available(3, 2, 0, 1, "Position Slow"),
+    Available(4, 19, 0, 1, "Guided Course"),
+    Available(11, 0, 0, 1, "Altitude Cruise"),
+    Available(5, 0, 0, 1, "Acro"),
+    Available(4, 20, 0, 3, "Descend"),
+    Available(10, 0, 0, 3, "Termination"),
+    Available(6, 0, 0, 1, "Offboard"),
+    Available(7, 0, 0, 1, "Stabilized"),
+    Available(4, 2, 8, 1, ""),
+    Available(4, 6, 7, 1, ""),
+    Available(4, 8, 0, 1, "Follow Target"),
+    Available(4, 9, 0, 1, "Precision Landing"),
+    Available(3, 1, 2, 1, ""),
+    Available(4, 10, 0, 1, "VTOL Takeoff"),
+    *NOT_THERE,
+)
+"""What AVAILABLE_MODES lists, in its order."""
+
+
+def available_mode(index: int) -> Values:
+    """AVAILABLE_MODES number ``index``, counted from 1."""
+    mode = AVAILABLE[index - 1]
+    return message("AVAILABLE_MODES").values(
+        number_modes=len(AVAILABLE), mode_index=index, standard_mode=mode.standard,
+        custom_mode=mode.main << 16 | mode.sub << 24, properties=mode.properties, mode_name=mode.name,
+    )  # fmt: skip
+
+
+def component_information(a: Autopilot) -> Values:
+    """COMPONENT_INFORMATION: the old form of COMPONENT_METADATA."""
+    return message("COMPONENT_INFORMATION").values(
+        time_boot_ms=a.estimate.time_us // 1000,
+        general_metadata_file_crc=GENERAL_METADATA.crc,
+        general_metadata_uri=GENERAL_METADATA_URI,
+    )
+
+
+def component_metadata(a: Autopilot) -> Values:
+    """COMPONENT_METADATA: where the description of the component lies."""
+    return message("COMPONENT_METADATA").values(
+        time_boot_ms=a.estimate.time_us // 1000, file_crc=GENERAL_METADATA.crc, uri=GENERAL_METADATA_URI
+    )
+
+
+def flight_information(a: Autopilot) -> Values:
+    """FLIGHT_INFORMATION: nothing of it is kept."""
+    return message("FLIGHT_INFORMATION").values(time_boot_ms=a.estimate.time_us // 1000)
+
+
+def storage_information(a: Autopilot) -> Values:
+    """STORAGE_INFORMATION: one store, ready, in MiB."""
+    return message("STORAGE_INFORMATION").values(
+        time_boot_ms=a.estimate.time_us // 1000, storage_id=1, storage_count=1, status=2,
+        total_capacity=1024.0, used_capacity=0.0, available_capacity=1024.0,
+    )  # fmt: skip
