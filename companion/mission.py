@@ -13,7 +13,19 @@ from companion.paths.arc import ArcTable
 from companion.paths.curve import Curve
 from companion.paths.implicit import ImplicitPath
 from companion.paths.placement import Placement
-from companion.profiles import ConstantSpeed, ConstantYaw, LookAt, Speed, Yaw, YawExpression
+from companion.profiles import (
+    AutoSpeed,
+    ConstantSpeed,
+    ConstantYaw,
+    LookAt,
+    Speed,
+    SpeedExpression,
+    SpeedOverArc,
+    Yaw,
+    YawExpression,
+    YawOverArc,
+    YawProfile,
+)
 
 Path = ImplicitPath | Curve
 
@@ -28,11 +40,18 @@ class Origin(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class GlobalOrigin:
-    """A place on the earth: degrees, and metres above mean sea level."""
+    """A place on the earth: degrees, and metres above mean sea level (``above_home``: above the vehicle's home)."""
 
     latitude: float
     longitude: float
     altitude: float
+    above_home: bool = False
+
+
+class Repeat(enum.Enum):
+    """What is done at the end of an open path."""
+
+    BACK_AND_FORTH = "back-and-forth"
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +70,8 @@ class Start:
 class Mission:
     """``path``: where. ``speed``, ``yaw``: alpha and beta along it. ``gains``: for the level that is flown, None where
     the level is not known. ``laps``: how many times around, None for until told. ``origin``: None where the file does
-    not say. ``look_at``: the point of ``yaw: look_at`` in the mission's coordinates."""
+    not say. ``look_at``: the point of ``yaw: look_at`` in the mission's coordinates. ``repeat``: what follows the end
+    of an open path; None: it ends there."""
 
     name: str
     path: Path
@@ -63,6 +83,7 @@ class Mission:
     origin: Origin | GlobalOrigin | None = None
     vehicle: str | None = None
     look_at: Vec3 | None = None
+    repeat: Repeat | None = None
 
     def placed(self, origin_n: Vec3) -> Mission:
         """The mission with its origin at ``origin_n`` of the vehicle's local frame."""
@@ -71,7 +92,9 @@ class Mission:
         if self.look_at is not None:
             x, y, z = placement.to_local(self.look_at)
             yaw = LookAt((x, y, z))
-        return replace(self, path=replace(self.path, placement=placement), yaw=yaw)
+        path = self.path
+        moved = path.placed(placement) if isinstance(path, Curve) else replace(path, placement=placement)
+        return replace(self, path=moved, yaw=yaw)
 
     @property
     def placement(self) -> Placement:
@@ -83,21 +106,50 @@ class Mission:
         """The path over its arc length, in the vehicle's local frame. PathError: it is no path."""
         return self.path.table
 
+    @property
+    def closed(self) -> bool:
+        """Whether the path goes round."""
+        return not isinstance(self.path, Curve) or self.path.closed
+
+    @property
+    def direction(self) -> float:
+        """+1 along mu, -1 against. ValueError, ArithmeticError: the speed is not defined."""
+        if isinstance(self.speed, AutoSpeed):
+            return self.speed.direction
+        return 1.0 if self.alpha(0.5 * self.table.length) >= 0.0 else -1.0
+
     def alpha(self, s: float) -> float:
         """m/s, the speed at arc length ``s``. ValueError, ArithmeticError: not defined there."""
-        if isinstance(self.path, Curve) or isinstance(self.speed, ConstantSpeed):
-            return self.speed.at(s)[0]
-        return float(self.speed.value(self.path.variables(self.table.at(s)[0])))
+        speed, path = self.speed, self.path
+        if isinstance(speed, SpeedExpression) and isinstance(path, ImplicitPath):
+            return float(speed.value(path.variables(self.table.at(s)[0])))
+        return speed.at(s)[0]
 
     def beta(self, s: float) -> float:
         """rad, the heading at arc length ``s``. ValueError, ArithmeticError: not defined there."""
-        if isinstance(self.yaw, ConstantYaw | YawExpression) and isinstance(self.path, Curve):
-            return self.yaw.at(s)[0]
+        known = self.yaw_over_arc
+        if known is not None:
+            return known.at(s)[0]
+        assert not isinstance(self.yaw, YawProfile)
         point, (x, y, z), _ = self.table.at(s)
-        forward = 1.0 if self.alpha(s) >= 0.0 else -1.0
+        forward = self.direction
         travel = (x * forward, y * forward, z * forward)
         variables = self.path.variables(point) if isinstance(self.path, ImplicitPath) else {}
         return float(self.yaw.value(variables, point, travel))
+
+    @property
+    def speed_over_arc(self) -> SpeedOverArc | None:
+        """alpha, where it is a function of arc length and known; None where it is one of the position, or ``auto``."""
+        if isinstance(self.speed, AutoSpeed):
+            return None
+        return None if isinstance(self.speed, SpeedExpression) and isinstance(self.path, ImplicitPath) else self.speed
+
+    @property
+    def yaw_over_arc(self) -> YawOverArc | None:
+        """beta, where it is a function of arc length alone; None where it is one of the position or of the path."""
+        if isinstance(self.yaw, YawExpression):
+            return self.yaw if isinstance(self.path, Curve) else None
+        return self.yaw if isinstance(self.yaw, ConstantYaw | YawProfile) else None
 
     def specification(self, direction: float) -> Specification:
         """What the law of an implicit path needs to know. ``direction``: any number with the sign of the speed."""
@@ -106,10 +158,12 @@ class Mission:
         forward = 1.0 if direction >= 0.0 else -1.0
 
         def alpha(p_n: Position) -> Scalar:
+            assert isinstance(self.speed, ConstantSpeed | SpeedExpression)
             return self.speed.value(path.variables(p_n))
 
         def beta(p_n: Position, mu: Position) -> Scalar:
             travel = (mu[0] * forward, mu[1] * forward, mu[2] * forward)
+            assert not isinstance(self.yaw, YawProfile)
             return self.yaw.value(path.variables(p_n), p_n, travel)
 
         return Specification(path.h, alpha, beta)

@@ -53,11 +53,13 @@ class Rotor:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the vehicle may be asked for: tilt (rad), body rates (rad/s), speed (m/s)."""
+    """What the vehicle may be asked for: tilt (rad), body rates (rad/s), speed (m/s). ``failure_detector``: rad of tilt
+    at which its autopilot ends the flight (PX4's FD_FAIL_R and FD_FAIL_P)."""
 
     tilt: float = math.radians(45.0)
     body_rates: Vec3 = (math.radians(220.0), math.radians(220.0), math.radians(85.0))
     speed: float = 12.0
+    failure_detector: float = math.radians(60.0)
 
 
 class MotorInterface(enum.Enum):

@@ -18,10 +18,12 @@ MAY_IMPORT: dict[str, str] = {
     "paths": "frames calculus vehicle",
     "profiles": "frames calculus paths",
     "law": "frames calculus vehicle paths profiles",
-    "mission": "frames calculus paths profiles law",
+    "mission": "frames calculus vehicle paths profiles law",
     "allocation": "vehicle",
     "estimation": "frames vehicle",
     "steering": "frames vehicle law allocation estimation",
+    # steering: the range in which the thrust is kept is one of the limits
+    "feasibility": "frames calculus vehicle paths profiles law allocation mission steering",
     "flight": "vehicle",
     "plan": "frames vehicle paths law mission steering",
     "pilot": "frames vehicle law paths steering flight plan",

@@ -11,6 +11,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 Scalar = Any  # float | Symbol | Taylor | Gradient: a type for this would need a Protocol on every operator
 
 
@@ -37,6 +39,26 @@ FLOAT_FUNCTIONS: dict[str, Callable[..., float]] = {
     "remainder": math.remainder,
 }
 """What each function is on floats. ValueError, ZeroDivisionError or OverflowError outside its domain."""
+
+ARRAY_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "sqrt": np.sqrt,
+    "exp": np.exp,
+    "log": np.log,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan": np.arctan,
+    "atan2": np.arctan2,
+    "power": np.power,
+    "abs": np.abs,
+    "sign": lambda x: np.copysign(1.0, x),
+    "minimum": np.minimum,
+    "maximum": np.maximum,
+    "remainder": lambda x, y: x - y * np.round(x / y),
+}
+"""The same on numpy arrays. nan outside the domain."""
 
 
 def elementary(function: str, *arguments: Scalar) -> Scalar:

@@ -7,12 +7,16 @@ hand-written float code: a step of the paper's law in 10-20 us where the same ar
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from companion.calculus.scalar import FLOAT_FUNCTIONS, Scalar
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.calculus.scalar import ARRAY_FUNCTIONS, FLOAT_FUNCTIONS, Scalar
 
 Function = Callable[..., tuple[float, ...]]
+ArrayFunction = Callable[..., NDArray[np.float64]]
 
 _OPERATORS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 _NESTING_MAX = 12
@@ -118,9 +122,26 @@ class Tape:
 
     def function(self, name: str, outputs: Sequence[Scalar]) -> Function:
         """A Python function of the inputs that returns ``outputs`` as a tuple of floats."""
-        namespace: dict[str, Any] = {f"_{n}": f for n, f in FLOAT_FUNCTIONS.items()}
+        function: Function = self._compiled(name, outputs, FLOAT_FUNCTIONS)
+        return function
+
+    def array_function(self, name: str, outputs: Sequence[Scalar]) -> ArrayFunction:
+        """The same function for many inputs at once: arrays (or floats) in, one row an output, nan where undefined."""
+        function = self._compiled(name, outputs, ARRAY_FUNCTIONS)
+
+        def rows(*inputs: NDArray[np.float64] | float) -> NDArray[np.float64]:
+            with np.errstate(all="ignore"):
+                values = function(*inputs)
+            return np.stack(np.broadcast_arrays(*values, *inputs)[: len(values)]).astype(float)
+
+        return rows
+
+    def _compiled(
+        self, name: str, outputs: Sequence[Scalar], functions: Mapping[str, Callable[..., Any]]
+    ) -> Callable[..., Any]:
+        namespace: dict[str, Any] = {f"_{n}": f for n, f in functions.items()}
         exec(compile(self.source(name, outputs), f"<{name}>", "exec"), namespace)
-        function: Function = namespace[name]
+        function: Callable[..., Any] = namespace[name]
         return function
 
     def source(self, name: str, outputs: Sequence[Scalar]) -> str:

@@ -7,6 +7,7 @@ import typing
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from companion.config.document import Document
@@ -36,7 +37,7 @@ def validate(document: Document, model: type[M]) -> M:
 
 
 def _some_keys(model: type[BaseModel]) -> str:
-    return ", ".join(list(model.model_fields)[:4])
+    return ", ".join(list(_fields(model))[:4])
 
 
 def _kind(value: Any) -> str:
@@ -141,8 +142,9 @@ def _walk(model: Any, loc: tuple[str | int, ...]) -> tuple[type[BaseModel] | Non
     for part in loc:
         field = None
         for candidate in current:
-            if isinstance(part, str) and part in candidate.model_fields:
-                holder, field = candidate, candidate.model_fields[part]
+            fields = _fields(candidate)
+            if isinstance(part, str) and part in fields:
+                holder, field = candidate, fields[part]
                 break
         if field is not None:
             description = (field.description or "").strip().rstrip(".").replace("\n", " ")
@@ -172,4 +174,9 @@ def _description(model: type[BaseModel], loc: tuple[str | int, ...]) -> str:
 
 def _siblings(model: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
     holder, _ = _walk(model, loc[:-1])
-    return list(holder.model_fields) if holder is not None else []
+    return list(_fields(holder)) if holder is not None else []
+
+
+def _fields(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The fields by their keys in a file: `from` cannot be a name in Python."""
+    return {field.alias or name: field for name, field in model.model_fields.items()}

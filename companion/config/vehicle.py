@@ -51,6 +51,8 @@ class LimitsModel(Strict):
     """the largest body rates [roll, pitch, yaw], in degrees per second"""
     speed: Annotated[float, Field(gt=0.0, le=100.0)] = 12.0
     """the largest speed, in m/s"""
+    failure_detector_deg: Annotated[float, Field(gt=10.0, le=180.0)] = 60.0
+    """the tilt at which the autopilot ends the flight (FD_FAIL_R, FD_FAIL_P), in degrees; paths stay 10 under it"""
 
     @field_validator("tilt_deg")
     @classmethod
@@ -122,7 +124,12 @@ def vehicle_from(document: Document) -> Vehicle:
     limits = None
     if isinstance(model.limits, LimitsModel):
         roll, pitch, yaw = map(math.radians, model.limits.body_rate_dps)
-        limits = Limits(math.radians(model.limits.tilt_deg), (roll, pitch, yaw), model.limits.speed)
+        limits = Limits(
+            tilt=math.radians(model.limits.tilt_deg),
+            body_rates=(roll, pitch, yaw),
+            speed=model.limits.speed,
+            failure_detector=math.radians(model.limits.failure_detector_deg),
+        )
     x, y, z = model.inertia_kgm2
     return Vehicle(
         name=model.name,

@@ -33,7 +33,7 @@ from companion.law.gains import Gains, Level
 from companion.law.implicit import Specification, outputs
 from companion.law.motion import Model, Motion, acceleration, jerk
 from companion.paths.curve import Curve
-from companion.profiles import ConstantYaw, SpeedOverArc, Yaw, YawExpression
+from companion.profiles import ConstantYaw, SpeedOverArc, Yaw, YawExpression, YawProfile
 from companion.vehicle import Vehicle
 
 NOWHERE = (0.0, 0.0, 0.0)
@@ -128,7 +128,7 @@ class CurveLaw:
         u, derivatives = curve.closest(flying.p_n, curve.parameter(flying.s))
         s = curve.arc(u)
         try:
-            beta = self.yaw.at(s) if isinstance(self.yaw, ConstantYaw | YawExpression) else _NO_YAW
+            beta = self.yaw.at(s) if isinstance(self.yaw, ConstantYaw | YawExpression | YawProfile) else _NO_YAW
             known = (*(c for derivative in derivatives for c in derivative), *self.speed.at(s), *beta)
         except (ValueError, ArithmeticError) as error:
             raise LawError(f"speed or yaw is not defined at s = {s:.2f} m: {error}") from None
@@ -182,7 +182,7 @@ def curve_law(
     alpha = _along(tape.inputs("a0", "a1", "a2", "a3"), seen.s)
     wanted, _ = wanted_on_curve(seen, factor * alpha, level, gains, bounds)
     beta_inputs = tape.inputs("b0", "b1", "b2", "b3")
-    if isinstance(yaw, ConstantYaw | YawExpression):
+    if isinstance(yaw, ConstantYaw | YawExpression | YawProfile):
         beta = _along(beta_inputs, seen.s)
     else:
         forward = 1.0 if direction >= 0.0 else -1.0

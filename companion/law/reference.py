@@ -6,6 +6,7 @@ and by flatness. Lemma 4.4's map with its slips corrected, and with drag.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from companion.calculus.scalar import Scalar, cos, sin
@@ -60,14 +61,41 @@ def tangent(specification: Specification, at: Position) -> Position:
 
 
 def reference(specification: Specification, model: Model, X: Vector) -> Reference:
-    """The point of the manifold over ``X``, a point of the path."""
+    """The point of the manifold over ``X``, a point of an implicit path."""
     series = flow(specification, X, 4)
-    V, A, J, S = (Vector(*(coordinate.derivative(k) for coordinate in series)) for k in (1, 2, 3, 4))
-    mu = tangent(specification, series)
-    beta = specification.beta(series, mu)
-    psi, psi_dot, psi_ddot = (
-        (beta.derivative(k) if isinstance(beta, Taylor) else beta if k == 0 else 0.0) for k in (0, 1, 2)
-    )
+    motion = [X, *(Vector(*(coordinate.derivative(k) for coordinate in series)) for k in (1, 2, 3, 4))]
+    beta = specification.beta(series, tangent(specification, series))
+    heading = [beta.derivative(k) if isinstance(beta, Taylor) else beta if k == 0 else 0.0 for k in (0, 1, 2)]
+    return _flat(model, motion, heading)
+
+
+def reference_over_arc(
+    path: Sequence[Vector], alpha: Sequence[Scalar], beta: Sequence[Scalar], model: Model
+) -> Reference:
+    """The point of the manifold where the ``path`` has these derivatives over arc length (the point and four more), the
+    speed ``alpha`` (three) and the yaw ``beta`` (two): for any path, implicit or not."""
+    a, a1, a2, a3 = alpha
+    # s' = alpha(s), differentiated
+    s1 = a
+    s2 = a * a1
+    s3 = a * (a1 * a1 + a * a2)
+    s4 = a * (a1 * a1 * a1 + 4.0 * a * a1 * a2 + a * a * a3)
+    c0, c1, c2, c3, c4 = path
+    motion = [
+        c0,
+        c1 * s1,
+        c2 * (s1 * s1) + c1 * s2,
+        c3 * (s1 * s1 * s1) + c2 * (3.0 * s1 * s2) + c1 * s3,
+        c4 * (s1 * s1 * s1 * s1) + c3 * (6.0 * s1 * s1 * s2) + c2 * (3.0 * s2 * s2 + 4.0 * s1 * s3) + c1 * s4,
+    ]
+    psi, b1, b2 = beta
+    return _flat(model, motion, [psi, b1 * s1, b2 * s1 * s1 + b1 * s2])
+
+
+def _flat(model: Model, derivatives: Sequence[Vector], heading: Sequence[Scalar]) -> Reference:
+    """Everything else by flatness, from X, V, A, J, S and psi with two time derivatives."""
+    X, V, A, J, S = derivatives
+    psi, psi_dot, psi_ddot = heading
     force = (E3 * model.g - A - V * model.c) * model.m
     zeta = force.norm()
     R = _rotation(force / zeta, psi)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.frames import Vec3
+from companion.paths.placement import Placement
 
 NEWTON_STEPS = 8
 NEAREST_TOLERANCE = 1e-7
@@ -86,6 +87,14 @@ class ArcTable:
     def length(self) -> float:
         """m."""
         return self.knots[-1]
+
+    def moved(self, placement: Placement) -> ArcTable:
+        """The table of the curve placed in the vehicle's local frame, its own coordinates being those of a mission."""
+        axes = np.array([placement.turned(axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]).T
+        coefficients = axes @ np.array(self.pieces)
+        coefficients[:, :, -1] += placement.origin_n
+        pieces = tuple((tuple(x), tuple(y), tuple(z)) for x, y, z in coefficients.tolist())
+        return ArcTable(self.knots, pieces, self.closed)
 
     def at(self, s: float) -> tuple[Vec3, Vec3, Vec3]:
         """Point, first and second derivative at arc length ``s``; wrapped where closed, clamped where open."""

@@ -1,0 +1,10 @@
+"""What a mission will ask of a vehicle, before it flies.
+
+stations     places along a path: the path, the speed and the yaw there, with their derivatives over arc length
+demand       what is asked at each: thrust, tilt, body rates, torques, motors (the exact reference, with drag)
+limits       how much of each limit that uses
+report       the answer: worst values, where, how fast at most
+room         what is left of the limits at a speed
+arc_spline   a quintic spline over arc length, linear in its coefficients
+fastest      `speed: auto`
+"""

@@ -1,0 +1,90 @@
+"""The limits of a vehicle, and how much of each a demand uses: 0 in a hover, 1 at the limit."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.allocation import Allocation
+from companion.feasibility.demand import Demand
+from companion.law.feedback import Bounds
+from companion.steering.thrust import THRUST_SHARE_MAX, ZETA_MAX, ZETA_MIN
+from companion.vehicle import MotorInterface, Vehicle
+
+Array = NDArray[np.float64]
+
+UNDER_DETECTOR = math.radians(10.0)
+"""How far the tilt stays under the autopilot's failure detector, which ends a flight."""
+
+
+class Quantity(NamedTuple):
+    """One thing asked of a vehicle along a path, and how much of it there is.
+
+    ``values``: at n places, in the unit that the ``name`` ends with. ``rest``: in a hover. ``low``, ``high``: its
+    limits, infinite where it has none. ``part``: which motor or axis.
+    """
+
+    name: str
+    values: Array
+    rest: float
+    low: float
+    high: float
+    part: str = ""
+
+    @property
+    def used(self) -> Array:
+        """The share of the way from rest to the limit that is gone; inf where the value is not finite."""
+        with np.errstate(invalid="ignore"):
+            up = (self.values - self.rest) / (self.high - self.rest)
+            down = (self.values - self.rest) / (self.low - self.rest)
+            used = np.maximum(up, down)
+        return np.where(np.isfinite(self.values), used, np.inf)
+
+
+def tilt_limit(vehicle: Vehicle) -> float:
+    """rad, infinite where there is none. An autopilot that watches the tilt leaves less."""
+    if vehicle.limits is None:
+        return math.inf
+    if vehicle.motors is MotorInterface.DIRECT:
+        return vehicle.limits.tilt
+    return min(vehicle.limits.tilt, vehicle.limits.failure_detector - UNDER_DETECTOR)
+
+
+def quantities(asked: Demand, vehicle: Vehicle) -> list[Quantity]:
+    """Everything that is limited, those of ``check`` first and in their order."""
+    limits, bounds = vehicle.limits, Bounds()
+    none = math.inf
+    weight = vehicle.weight
+    rates = (none, none, none) if limits is None else limits.body_rates
+    yaw_rate = none if limits is None else min(rates[2], bounds.yaw_rate)
+    result = [
+        Quantity(
+            "thrust_n",
+            asked.thrust,
+            weight,
+            -none if limits is None else ZETA_MIN * weight,
+            none if limits is None else min(ZETA_MAX * weight, THRUST_SHARE_MAX * vehicle.thrust_max),
+        ),
+        Quantity("tilt_deg", np.degrees(asked.tilt), 0.0, -none, math.degrees(tilt_limit(vehicle))),
+    ]
+    hover = Allocation(vehicle).commands((weight, 0.0, 0.0, 0.0))
+    for i, (rotor, command, values) in enumerate(zip(vehicle.rotors, hover, asked.motors, strict=True), 1):
+        low, high = rotor.command
+        result.append(Quantity("motor", values, (command - low) / (high - low), 0.0, 1.0, f"motor {i}"))
+    for axis, limit, values in zip(("roll", "pitch", "yaw"), (*rates[:2], yaw_rate), asked.rates, strict=True):
+        high = math.degrees(limit)
+        result.append(Quantity("body_rate_dps", np.degrees(values), 0.0, -high, high, axis))
+    high = math.degrees(yaw_rate)
+    result.append(Quantity("yaw_rate_dps", np.degrees(asked.yaw_rate), 0.0, -high, high))
+    high = none if limits is None else math.degrees(bounds.yaw_acceleration)
+    result.append(Quantity("yaw_acceleration_dps2", np.degrees(asked.yaw_acceleration), 0.0, -high, high))
+    result.append(Quantity("speed_mps", asked.speed, 0.0, -none, none if limits is None else limits.speed))
+    return result
+
+
+def worst_use(asked: Demand, vehicle: Vehicle) -> float:
+    """The largest share of any limit used anywhere."""
+    return max(float(np.max(q.used)) for q in quantities(asked, vehicle))
