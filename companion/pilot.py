@@ -15,7 +15,7 @@ from companion.frames import tilt, wrap
 from companion.law.bare import LawError
 from companion.law.flight import Ramp
 from companion.plan import Plan
-from companion.steering.steering import Steered, SteeringMemory
+from companion.steering.steering import Along, Steered, SteeringMemory
 from companion.vehicle import Mode, Setpoint, VehicleState, VehicleStatus
 
 DT_MAX = 0.1
@@ -225,12 +225,12 @@ def _steered(plan: Plan, memory: Memory, ramp: Ramp) -> tuple[Memory, Steered]:
     """The law's setpoint for the newest state. The extension stands still until the vehicle flies on it."""
     state = memory.state
     assert state is not None
-    steering = plan.steering.begin() if memory.steering is None else memory.steering
+    steering = plan.steering.begin(state) if memory.steering is None else memory.steering
     dt = 0.0
     if memory.phase is not Phase.TAKE_OVER and memory.steered_at is not None:
         dt = min(max(state.t_boot - memory.steered_at, 0.0), DT_MAX)
     assert memory.progress is not None
-    steered = plan.steering.steer(steering, state, dt, ramp, memory.progress.s)
+    steered = plan.steering.steer(steering, state, dt, Along(memory.progress.s, ramp))
     return memory._replace(steering=steered.memory, steered_at=state.t_boot), steered
 
 

@@ -8,6 +8,7 @@ from companion.frames import Vec3
 from companion.law.feedback import Bounds
 from companion.law.flight import Law, curve_law, implicit_law, model_of
 from companion.law.gains import Level, default_gains
+from companion.law.hold import hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
@@ -58,7 +59,8 @@ def prepared(
     table = placed.table
     speeds = [placed.alpha(table.length * i / SPEED_SAMPLES) for i in range(SPEED_SAMPLES)]
     direction = 1.0 if speeds[0] > 0.0 else -1.0
-    gains = placed.gains if placed.gains is not None else default_gains(law_level(level))
+    usual = default_gains(law_level(level))
+    gains = placed.gains if placed.gains is not None else usual
     bounds = None if vehicle.limits is None else Bounds()
     law: Law
     if isinstance(placed.path, ImplicitPath):
@@ -73,7 +75,7 @@ def prepared(
         mission=placed,
         vehicle=vehicle,
         level=level,
-        steering=motor_steering(law, vehicle),
+        steering=motor_steering(law, hold_law(law_level(level), model_of(vehicle), usual, bounds), vehicle),
         table=table,
         direction=direction,
         ramp_time=ramp_time,

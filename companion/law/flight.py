@@ -108,7 +108,7 @@ class ImplicitLaw:
         """See Law."""
         command = _called(self.step, flying, ramp, ())
         if command.regularity < REGULARITY_MIN:
-            raise LawError(f"singular: the gradients of h1 and h2 are parallel at {_place(flying.p_n)}")
+            raise LawError(f"singular: the gradients of h1 and h2 are parallel at {place(flying.p_n)}")
         return command
 
 
@@ -134,7 +134,7 @@ class CurveLaw:
             raise LawError(f"speed or yaw is not defined at s = {s:.2f} m: {error}") from None
         command = _called(self.step, flying, ramp, known)
         if not self.bounded and command.regularity < REGULARITY_MIN:
-            raise LawError(f"singular: {_place(flying.p_n)} is a centre of curvature of the path")
+            raise LawError(f"singular: {place(flying.p_n)} is a centre of curvature of the path")
         return command
 
 
@@ -145,13 +145,14 @@ def _called(step: Function, flying: Flying, ramp: Ramp, known: Sequence[float]) 
     try:
         values = step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *ramp, *known)
     except (ValueError, ArithmeticError) as error:
-        raise LawError(f"the law is not defined at {_place(p_n)}: {error}") from None
+        raise LawError(f"the law is not defined at {place(p_n)}: {error}") from None
     if not math.isfinite(sum(values)):
-        raise LawError(f"the law is not finite at {_place(p_n)}")
+        raise LawError(f"the law is not finite at {place(p_n)}")
     return Command(values[0], values[1:4], values[4:7], *values[7:])  # type: ignore[arg-type]
 
 
-def _place(p_n: Vec3) -> str:
+def place(p_n: Vec3) -> str:
+    """A position as a pilot reads it."""
     return f"north {p_n[0]:.1f}, east {p_n[1]:.1f}, height {-p_n[2]:.1f} m"
 
 
@@ -160,12 +161,12 @@ def implicit_law(
 ) -> ImplicitLaw:
     """Records the law of an implicit path. ValueError, ArithmeticError: an expression that is nowhere defined."""
     tape = Tape()
-    model, motion, factor = _inputs(tape, model)
-    known = outputs(specification, _derivatives(level, model, motion), factor)
+    model, motion, factor = inputs(tape, model)
+    known = outputs(specification, known_motion(level, model, motion), factor)
     wanted = wanted_derivative(known, level, gains, bounds)
     sine = known.grad1.cross(known.grad2).norm() / (known.grad1.norm() * known.grad2.norm())
     told = (*known.mu.components(), known.mu @ motion.V, known.alpha)
-    return ImplicitLaw(_finished(tape, level, model, motion, gains, bounds, wanted, told, known.beta, sine))
+    return ImplicitLaw(finished(tape, level, model, motion, gains, bounds, wanted, told, known.beta, sine))
 
 
 def curve_law(
@@ -175,9 +176,9 @@ def curve_law(
     """Records the law of a parametrised curve. The gains of h1 serve both normal directions. ``direction``: any number
     with the sign of the speed."""
     tape = Tape()
-    model, motion, factor = _inputs(tape, model)
+    model, motion, factor = inputs(tape, model)
     derivatives = tuple(Vector(*tape.inputs(*(f"g{k}{axis}" for axis in "xyz"))) for k in range(5))
-    motion_derivatives = _derivatives(level, model, motion)
+    motion_derivatives = known_motion(level, model, motion)
     seen = closest(derivatives[: len(motion_derivatives) + 1], motion_derivatives, bounds.q_min if bounds else 0.0)
     alpha = _along(tape.inputs("a0", "a1", "a2", "a3"), seen.s)
     wanted, _ = wanted_on_curve(seen, factor * alpha, level, gains, bounds)
@@ -191,7 +192,7 @@ def curve_law(
         )
         beta = yaw.value({}, seen.gamma, travel)
     told = (*seen.T[0].components(), seen.vT[0], alpha.c[0])
-    step = _finished(tape, level, model, motion, gains, bounds, wanted, told, beta, seen.Q)
+    step = finished(tape, level, model, motion, gains, bounds, wanted, told, beta, seen.Q)
     return CurveLaw(step, curve, speed, yaw, bounds is not None)
 
 
@@ -215,7 +216,8 @@ def _along(derivatives: Sequence[Scalar], s: Taylor) -> Taylor:
     return total
 
 
-def _inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor]:
+def inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor]:
+    """The inputs every law has, in the order of ``Flying`` and ``Ramp``: the model, the motion, the factor on alpha."""
     X = Vector(*tape.inputs("x", "y", "z"))
     V = Vector(*tape.inputs("vx", "vy", "vz"))
     r = tape.inputs(*(f"r{i}{j}" for i in range(3) for j in range(3)))
@@ -229,14 +231,14 @@ def _inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor]:
     return Model(model.m, model.J, model.g, drag), motion, Taylor((factor, rate, 0.5 * acceleration_, 0.0, 0.0))
 
 
-def _derivatives(level: Level, model: Model, motion: Motion) -> tuple[Vector, ...]:
+def known_motion(level: Level, model: Model, motion: Motion) -> tuple[Vector, ...]:
     """(X, V, A) for rates, (X, V, A, J) for motors."""
     A = acceleration(model, motion)
     known = (motion.X, motion.V, A)
     return (*known, jerk(model, motion, A)) if level is Level.MOTORS else known
 
 
-def _finished(
+def finished(
     tape: Tape, level: Level, model: Model, motion: Motion, gains: Gains, bounds: Bounds | None,
     wanted: Vector, told: tuple[Scalar, ...], beta: Taylor, regularity: Scalar,
 ) -> Function:  # fmt: skip

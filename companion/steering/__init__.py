@@ -2,6 +2,6 @@
 
     motors   the paper's chain: snap -> torques -> motor commands
 
-Every level answers the same three questions: where to begin (``begin``), what to send now (``steer``), and what to send
-when the law has no say (``level``).
+Every level answers the same three questions: where to begin (``begin``), what to send now (``steer``, towards an aim:
+``Along`` the path or ``At`` a point), and what to send when the law has no say (``level``).
 """

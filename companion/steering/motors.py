@@ -8,8 +8,9 @@ from typing import NamedTuple
 from companion.allocation import Allocation, Four
 from companion.estimation.prediction import advanced
 from companion.frames import Vec3, rotation_matrix, upright_error
-from companion.law.flight import Flying, Law, Ramp
-from companion.steering.steering import Steered
+from companion.law.flight import Flying, Law
+from companion.law.hold import HoldLaw
+from companion.steering.steering import Aim, Along, Steered
 from companion.steering.thrust import ThrustRange, thrust_range
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
 
@@ -32,15 +33,18 @@ class MotorSteering:
     """
 
     law: Law
+    hold: HoldLaw
     vehicle: Vehicle
     allocation: Allocation
     range: ThrustRange
 
-    def begin(self) -> Extension:
+    def begin(self, state: VehicleState) -> Extension:
         """zeta = m g, zeta_dot = 0 (the paper's section V)."""
         return Extension(self.vehicle.weight)
 
-    def steer(self, memory: Extension, state: VehicleState, dt: float, ramp: Ramp, s: float) -> Steered:
+    def steer(
+        self, memory: Extension, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+    ) -> Steered:
         """See Steering."""
         half = 0.5 * dt
         zeta, zeta_dot, zeta_ddot, _ = memory
@@ -54,9 +58,9 @@ class MotorSteering:
             w_b=there.w_b,
             zeta_dot=zeta_dot + half * zeta_ddot,
             drag=self.vehicle.drag,
-            s=s,
+            s=aim.s if isinstance(aim, Along) else 0.0,
         )
-        command = self.law(flying, ramp)
+        command = self.law(flying, aim.ramp) if isinstance(aim, Along) else self.hold(flying, *aim)
         later, later_dot, bound = self.range.twice_integrated(zeta, zeta_dot, command.zeta_derivative, dt)
         allocated = self.allocation.allocate((middle, *command.turn))
         return Steered(
@@ -67,6 +71,7 @@ class MotorSteering:
             zeta_dot=later_dot,
             thrust_n=middle,
             saturated=bound or allocated.saturated,
+            thrust_share=middle / self.vehicle.thrust_max,
         )
 
     def level(self, state: VehicleState | None) -> MotorSetpoint:
@@ -100,8 +105,8 @@ class MotorSteering:
         return (jx * (36.0 * error_x - 12.0 * p), jy * (36.0 * error_y - 12.0 * q), -jz * 4.0 * r)
 
 
-def motor_steering(law: Law, vehicle: Vehicle) -> MotorSteering:
+def motor_steering(law: Law, hold: HoldLaw, vehicle: Vehicle) -> MotorSteering:
     """Steering for ``vehicle``. AllocationError: rotors that cannot make every thrust and torque."""
     allocation = Allocation(vehicle)
     _ = allocation.inverse
-    return MotorSteering(law, vehicle, allocation, thrust_range(vehicle))
+    return MotorSteering(law, hold, vehicle, allocation, thrust_range(vehicle))

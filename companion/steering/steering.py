@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol
 
+from companion.frames import Vec3
 from companion.law.flight import Command, Ramp
 from companion.vehicle import Setpoint, VehicleState
 
@@ -11,12 +12,47 @@ SteeringMemory = Any
 """What a level carries from step to step; frozen, and nobody else's business."""
 
 
+class Along(NamedTuple):
+    """Fly the path. ``s``: m, arc length near the closest point. ``ramp``: the factor on alpha with its rate and
+    acceleration; it may exceed 1, and a negative one flies the other way."""
+
+    s: float
+    ramp: Ramp
+
+
+class At(NamedTuple):
+    """Hold a point of the local frame (m), the nose at ``yaw`` (rad). Far away it is approached at a steady speed."""
+
+    p_n: Vec3
+    yaw: float
+
+
+Aim = Along | At
+
+
+class Estimates(NamedTuple):
+    """What a level has found out about its vehicle, for the record.
+
+    ``thrust_scale``: acceleration made over acceleration asked for. ``drag`` 1/s, ``disturbance`` m/s^2 (world),
+    ``velocity_bias`` m/s (reported velocity over the derivative of the reported position). ``link_delay``,
+    ``rate_lag`` s.
+    """
+
+    thrust_scale: float
+    drag: float
+    disturbance: Vec3
+    velocity_bias: Vec3
+    link_delay: float
+    rate_lag: float
+
+
 class Steered(NamedTuple):
     """One step of steering.
 
     ``setpoint``: clamped and finite. ``memory``: for the next step. ``command``: what the law asked for. ``zeta``: N,
     ``zeta_dot``: N/s, the dynamic extension (Eq. 4). ``thrust_n``: N, the collective thrust that was sent.
-    ``saturated``: whether a limit was met.
+    ``saturated``: whether a limit was met. ``thrust_share``: of the largest thrust. ``converged``: whether the scale of
+    the thrust is known well enough to follow a path. ``estimates``: None where the level has none.
     """
 
     setpoint: Setpoint
@@ -26,18 +62,24 @@ class Steered(NamedTuple):
     zeta_dot: float
     thrust_n: float
     saturated: bool
+    thrust_share: float = 0.0
+    converged: bool = True
+    estimates: Estimates | None = None
 
 
 class Steering(Protocol):
     """The law at one output level."""
 
-    def begin(self) -> SteeringMemory:
-        """The memory when taking over from a hover."""
+    def begin(self, state: VehicleState) -> SteeringMemory:
+        """The memory when taking over from a flight without hurry, at ``state``."""
 
-    def steer(self, memory: SteeringMemory, state: VehicleState, dt: float, ramp: Ramp, s: float) -> Steered:
-        """The setpoint for ``state``, whose nearest point on the path lies at arc length ``s`` (m).
+    def steer(
+        self, memory: SteeringMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+    ) -> Steered:
+        """The setpoint for ``state``. Raises LawError.
 
-        ``dt``: s since the last step, 0 to hold the extension. Raises LawError.
+        ``dt``: s since the last step; 0 while setpoints are sent but not flown: then the thrust the law integrates and
+        the estimates stand still. ``link_delay``: s, there and back, as measured; None where it is not known.
         """
 
     def level(self, state: VehicleState | None) -> Setpoint:

@@ -1,0 +1,72 @@
+"""The law one concept simpler: a point and a heading instead of a path.
+
+All three directions are transverse, with the gains of h1; nothing runs along. Far away the errors are bounded one
+inside the other: the distance (so that the point is approached at a steady speed), and the velocity beside the speed
+that distance asks for (so that a vehicle which arrives fast brakes at a bounded acceleration).
+
+    A-chain of the level:  X^(n) = -k_{n-1} X^(n-1) - .. - k_2 A - k_1 bounded(V + (k_0/k_1) bounded(X - X_0))
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from companion.calculus.scalar import Scalar, maximum
+from companion.calculus.straight import Function, Tape
+from companion.calculus.taylor import Taylor
+from companion.calculus.vectors import Vector
+from companion.frames import Vec3
+from companion.law.bare import LawError
+from companion.law.feedback import Bounds
+from companion.law.flight import Command, Flying, finished, inputs, known_motion, place
+from companion.law.gains import Gains, Level
+from companion.law.motion import Model
+
+ACCELERATION_MAX = 4.0
+"""m/s^2 of braking and of setting off."""
+
+
+@dataclass(frozen=True, slots=True)
+class HoldLaw:
+    """The law that holds a point at one level."""
+
+    step: Function
+
+    def __call__(self, flying: Flying, point_n: Vec3, yaw: float) -> Command:
+        """The command at a state. LawError: no thrust, or a state that is not finite."""
+        p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, _ = flying
+        if not zeta > 0.0:
+            raise LawError(f"singular: thrust {zeta:.3g} N")
+        values = self.step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, 0.0, 0.0, 0.0, *point_n, yaw)
+        if not math.isfinite(sum(values)):
+            raise LawError(f"the law is not finite at {place(p_n)}")
+        return Command(values[0], values[1:4], values[4:7], *values[7:])  # type: ignore[arg-type]
+
+
+def hold_law(level: Level, model: Model, gains: Gains, bounds: Bounds | None) -> HoldLaw:
+    """Records the law that holds a point. Only the gains of h1 (all directions) and h4 are used."""
+    tape = Tape()
+    model, motion, _ = inputs(tape, model)
+    X0 = Vector(*tape.inputs("px", "py", "pz"))
+    (yaw,) = tape.inputs("yaw")
+    _, V, A, *jerk = known_motion(level, model, motion)
+    k0, k1, k2, *rest = gains.h1
+    e = motion.X - X0
+    if bounds is None:
+        wanted = -(V * k1) - e * k0
+    else:
+        towards = V + _within(e, bounds.path_error) * (k0 / k1)
+        wanted = -(_within(towards, ACCELERATION_MAX * k2 / k1) * k1)
+    wanted = wanted - A * k2
+    if jerk:
+        wanted = wanted - jerk[0] * rest[0]
+    beta = Taylor((yaw, 0.0, 0.0))
+    told: tuple[Scalar, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    return HoldLaw(finished(tape, level, model, motion, gains, bounds, wanted, told, beta, 1.0))
+
+
+def _within(vector: Vector, most: float) -> Vector:
+    """``vector``, no longer than ``most``."""
+    result: Vector = vector * (most / maximum(most, vector.norm()))
+    return result
