@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from companion.frames import Vec3
+
 EARTH_RADIUS = 6371000.0
 """m, PX4's CONSTANTS_RADIUS_OF_EARTH."""
 
@@ -48,3 +50,35 @@ class MapProjection:
         latitude = math.asin(max(-1.0, min(1.0, cos_c * self._sin + x * sin_c * self._cos / c)))
         turn = math.atan2(y * sin_c, c * self._cos * cos_c - x * self._sin * sin_c)
         return (math.degrees(latitude), math.remainder(self.longitude + math.degrees(turn), 360.0))
+
+
+@dataclass(frozen=True, slots=True)
+class LocalFrame:
+    """Where a vehicle's local NED frame stands on the earth: ``latitude`` and ``longitude`` in degrees, ``altitude`` in
+    m above mean sea level of its origin. PX4 puts it where its estimator started (GPS_GLOBAL_ORIGIN), which is neither
+    where the vehicle stands nor where its home is.
+    """
+
+    latitude: float
+    longitude: float
+    altitude: float
+    _map: MapProjection = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_map", MapProjection(self.latitude, self.longitude))
+
+    def to_local(self, latitude: float, longitude: float, altitude: float) -> Vec3:
+        """North, east, down in m of a place given in degrees and m above mean sea level."""
+        north, east = self._map.project(latitude, longitude)
+        return (north, east, self.altitude - altitude)
+
+    def to_global(self, p_n: Vec3) -> tuple[float, float, float]:
+        """Latitude and longitude in degrees and altitude in m above mean sea level of a point of the frame."""
+        return (*self._map.reproject(p_n[0], p_n[1]), self.altitude - p_n[2])
+
+    def north_at(self, latitude: float, longitude: float) -> float:
+        """rad clockwise from the frame's x axis: where true north points at a place. Zero on the frame's own meridian;
+        a tenth of a degree 10 km east of it, at 47 degrees north."""
+        north, east = self._map.project(latitude - 1e-4, longitude)
+        further_north, further_east = self._map.project(latitude + 1e-4, longitude)
+        return math.atan2(further_east - east, further_north - north)

@@ -85,9 +85,11 @@ class Mission:
     look_at: Vec3 | None = None
     repeat: Repeat | None = None
 
-    def placed(self, origin_n: Vec3) -> Mission:
-        """The mission with its origin at ``origin_n`` of the vehicle's local frame."""
-        placement = replace(self.path.placement, origin_n=origin_n)
+    def placed(self, origin_n: Vec3, turn: float | None = None) -> Mission:
+        """The mission with its origin at ``origin_n`` of the vehicle's local frame, its axes turned by ``turn`` (rad,
+        clockwise seen from above; None: as they are)."""
+        placement = self.path.placement
+        placement = replace(placement, origin_n=origin_n, turn=placement.turn if turn is None else turn)
         yaw = self.yaw
         if self.look_at is not None:
             x, y, z = placement.to_local(self.look_at)

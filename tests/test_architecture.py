@@ -19,6 +19,7 @@ MAY_IMPORT: dict[str, str] = {
     "profiles": "frames calculus paths",
     "law": "frames calculus vehicle paths profiles",
     "mission": "frames calculus vehicle paths profiles law",
+    "places": "frames geodesy vehicle paths mission",
     "allocation": "vehicle",
     "estimation": "frames vehicle",
     "steering": "frames vehicle law allocation estimation",
@@ -30,7 +31,7 @@ MAY_IMPORT: dict[str, str] = {
     "mavlink": "frames vehicle",
     "config": "frames geodesy calculus vehicle world paths profiles law mission",
     "record": "frames vehicle world paths law mission plan flight pilot mavlink config",
-    "daemon": "frames vehicle flight mission plan pilot mavlink record",
+    "daemon": "frames vehicle flight mission places plan pilot mavlink record",
     "cli": "*",
 }
 SIM_BRIDGE = {"frames", "geodesy", "vehicle", "world", "mavlink"}

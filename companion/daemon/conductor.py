@@ -14,12 +14,12 @@ from typing import NamedTuple
 from companion import pilot
 from companion.flight.guards import Answer, Reply
 from companion.flight.phases import Phase, Request
-from companion.frames import Vec3
 from companion.mavlink import link as wire
 from companion.mavlink import setpoints, telemetry
 from companion.mavlink.codec import Decoder
-from companion.mission import GlobalOrigin, Mission, Origin
+from companion.mission import Mission, Origin
 from companion.pilot import Memory, Observation, Outcome
+from companion.places.standing import Whereabouts, placed
 from companion.plan import Plan, prepared
 from companion.record.folder import Recorder
 from companion.vehicle import (
@@ -198,9 +198,11 @@ class Conductor:
         if self.telemetry.status.landed is None or self.telemetry.status.armed is None:
             return
         try:
-            origin = self._origin(state)
             orders = self.orders
-            self.plan = prepared(orders.mission, orders.vehicle, orders.level, origin, orders.duration)
+            where = Whereabouts(state.p_n, self.telemetry.status.landed is Landed.ON_GROUND)
+            mission = placed(orders.mission, orders.origin, where)
+            origin = mission.placement.origin_n
+            self.plan = prepared(mission, orders.vehicle, orders.level, origin, orders.duration)
         except CompanionError as error:
             self.refusal = str(error)
             return
@@ -229,19 +231,6 @@ class Conductor:
         if identity.direct_motors is None and now - heard > IDENTITY_WITHIN:
             return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
         return None
-
-    def _origin(self, state: VehicleState) -> Vec3:
-        origin = self.orders.mission.origin or self.orders.origin
-        if origin is Origin.LOCAL:
-            return (0.0, 0.0, 0.0)
-        if origin is Origin.TAKEOFF:
-            if self.telemetry.status.landed is not Landed.ON_GROUND:
-                message = "origin: takeoff needs a vehicle on the ground, this one flies; name another origin"
-                raise CompanionError(message)
-            return state.p_n
-        what = "home" if origin is Origin.HOME else "a place on the earth"
-        assert isinstance(origin, GlobalOrigin | Origin)
-        raise CompanionError(f"origin: {what} is not known to this vehicle")
 
     def _answer(self, command: wire.Command, result: int) -> Answer | None:
         for request, known in COMMANDS.items():
