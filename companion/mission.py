@@ -6,6 +6,7 @@ import enum
 from dataclasses import dataclass, replace
 
 from companion.calculus.scalar import Scalar
+from companion.fence import Fence
 from companion.frames import Vec3
 from companion.law.gains import Gains
 from companion.law.implicit import Position, Specification
@@ -71,7 +72,7 @@ class Mission:
     """``path``: where. ``speed``, ``yaw``: alpha and beta along it. ``gains``: for the level that is flown, None where
     the level is not known. ``laps``: how many times around, None for until told. ``origin``: None where the file does
     not say. ``look_at``: the point of ``yaw: look_at`` in the mission's coordinates. ``repeat``: what follows the end
-    of an open path; None: it ends there."""
+    of an open path; None: it ends there. ``fence``: where the vehicle may be, in the mission's coordinates."""
 
     name: str
     path: Path
@@ -84,6 +85,7 @@ class Mission:
     vehicle: str | None = None
     look_at: Vec3 | None = None
     repeat: Repeat | None = None
+    fence: Fence | None = None
 
     def placed(self, origin_n: Vec3, turn: float | None = None) -> Mission:
         """The mission with its origin at ``origin_n`` of the vehicle's local frame, its axes turned by ``turn`` (rad,
@@ -102,6 +104,11 @@ class Mission:
     def placement(self) -> Placement:
         """Where its coordinates stand in the vehicle's local frame."""
         return self.path.placement
+
+    @property
+    def fence_n(self) -> Fence | None:
+        """Where the vehicle may be, in its local frame; None: anywhere."""
+        return None if self.fence is None else self.fence.moved(self.placement.to_local)
 
     @property
     def table(self) -> ArcTable:
