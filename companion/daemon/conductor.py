@@ -20,6 +20,7 @@ from companion.mavlink.codec import Decoder
 from companion.mission import Mission, Origin
 from companion.pilot import Memory, Observation, Outcome
 from companion.places.standing import Whereabouts, placed
+from companion.places.words import place_words
 from companion.plan import Plan, prepared
 from companion.record.folder import Recorder
 from companion.vehicle import (
@@ -201,6 +202,7 @@ class Conductor:
             orders = self.orders
             where = Whereabouts(state.p_n, self.telemetry.status.landed is Landed.ON_GROUND)
             mission = placed(orders.mission, orders.origin, where)
+            self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
             origin = mission.placement.origin_n
             self.plan = prepared(mission, orders.vehicle, orders.level, origin, orders.duration)
         except CompanionError as error:
