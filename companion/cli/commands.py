@@ -39,6 +39,19 @@ Duration = Annotated[float | None, typer.Option("--duration", min=0.1, help="s o
 
 
 @app.command()
+def check(
+    mission: MissionName,
+    vehicle: VehicleName = None,
+    json: Json = False,
+    plot: Annotated[Path | None, typer.Option("--plot", help="A picture of the path: .png, .svg or .pdf.")] = None,
+) -> None:
+    """Say whether a vehicle can fly a mission, how fast at most, and where it is tight. Nothing is flown."""
+    from companion.cli.check import check as look
+
+    raise typer.Exit(look(mission, vehicle, as_json=json, plot=plot))
+
+
+@app.command()
 def sim(
     mission: MissionName,
     vehicle: VehicleName = None,

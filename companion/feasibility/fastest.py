@@ -49,9 +49,13 @@ SMOOTHING = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9.0
 LOWERINGS = 60
 
 
+class TooSlowError(CompanionError):
+    """No speed is slow enough for the vehicle; says where."""
+
+
 def flyable(mission: Mission, vehicle: Vehicle) -> Mission:
     """The mission with its speed known: ``auto`` made into a profile for ``vehicle``. Takes a second for a flight of
-    a minute. CompanionError: no speed is slow enough."""
+    a minute. TooSlowError: no speed is slow enough."""
     if not isinstance(mission.speed, AutoSpeed):
         return mission
     return replace(mission, speed=Fastest(mission, mission.speed, vehicle).profile())
@@ -82,7 +86,7 @@ class Fastest:
         self._matrices = self.spline.matrices(self._at.s)
 
     def profile(self) -> SpeedProfile:
-        """The speed along the path, with the sign of its direction. CompanionError: none is slow enough."""
+        """The speed along the path, with the sign of its direction. TooSlowError: none is slow enough."""
         coefficients = self.first()
         if len(self.spline.knots) <= KNOTS_MAX:
             coefficients = self.improved(coefficients)
@@ -116,7 +120,7 @@ class Fastest:
             if float(coefficients.min()) < SPEED_MIN**2:
                 break
         i = int(np.argmax(used))
-        raise CompanionError(f"no speed is slow enough for this vehicle at {self._at.s[i]:.1f} m along the path")
+        raise TooSlowError(f"no speed is slow enough for this vehicle at {self._at.s[i]:.1f} m along the path")
 
     def improved(self, coefficients: Array) -> Array:
         """Coefficients of the fastest profile, from ones that keep every limit."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,21 @@ Array = NDArray[np.float64]
 
 UNDER_DETECTOR = math.radians(10.0)
 """How far the tilt stays under the autopilot's failure detector, which ends a flight."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """One limit: the ``worst`` value along the path, at arc length ``at_s`` (m), against ``limit`` (None: no limit), in
+    the unit that the ``name`` ends with. ``used``: the share of it that is used, 1 at the limit. ``part``: which motor
+    or axis."""
+
+    name: str
+    worst: float
+    limit: float | None
+    at_s: float
+    ok: bool
+    used: float
+    part: str = ""
 
 
 class Quantity(NamedTuple):
@@ -41,7 +57,7 @@ class Quantity(NamedTuple):
             up = (self.values - self.rest) / (self.high - self.rest)
             down = (self.values - self.rest) / (self.low - self.rest)
             used = np.maximum(up, down)
-        return np.where(np.isfinite(self.values), used, np.inf)
+        return np.where(np.isfinite(self.values), np.abs(used), np.inf)
 
 
 def tilt_limit(vehicle: Vehicle) -> float:
@@ -88,3 +104,32 @@ def quantities(asked: Demand, vehicle: Vehicle) -> list[Quantity]:
 def worst_use(asked: Demand, vehicle: Vehicle) -> float:
     """The largest share of any limit used anywhere."""
     return max(float(np.max(q.used)) for q in quantities(asked, vehicle))
+
+
+def worst(found: list[Quantity], s: Array) -> list[Limit]:
+    """Where each quantity uses most, or lies farthest from rest where it has no limit: of its parts the worst one."""
+    result: dict[str, tuple[float, Limit]] = {}
+    for q in found:
+        used = q.used
+        away = np.where(np.isfinite(q.values), np.abs(q.values - q.rest), np.inf)
+        limited = math.isfinite(q.low) or math.isfinite(q.high)
+        size = used if limited else away
+        i = int(np.argmax(size))
+        if q.name in result and size[i] <= result[q.name][0]:
+            continue
+        value = float(q.values[i])
+        side = q.high if value >= q.rest else q.low
+        symmetric = q.low == -q.high  # a rate to the left is as good as one to the right
+        result[q.name] = (
+            float(size[i]),
+            Limit(
+                q.name,
+                abs(value) if symmetric else value,
+                abs(side) if math.isfinite(side) else None,
+                float(s[i]),
+                bool(used[i] <= 1.0),
+                float(used[i]),
+                q.part,
+            ),
+        )
+    return [limit for _, limit in result.values()]

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from companion.feasibility import geometry
 from companion.feasibility.demand import Demand, demand
-from companion.feasibility.fastest import flyable
-from companion.feasibility.limits import Quantity, quantities, worst_use
+from companion.feasibility.fastest import SPEED_MIN, TooSlowError, flyable
+from companion.feasibility.limits import Limit, quantities, worst, worst_use
 from companion.feasibility.stations import Stations, places, stations
 from companion.mission import Mission
+from companion.profiles import AutoSpeed, ConstantSpeed
 from companion.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-RADIUS_MIN = 0.3
-"""m; nearer to the path than its radius of curvature the closest point is one, and a vehicle is never nearer than this
-to its path for sure."""
 REGULARITY_MIN = 0.01
-CLEARANCE_MIN = 0.3
-"""m above what the mission counts from."""
-JUMPS = {"speed_jump_mps": 0.1, "yaw_jump_deg": 1.0}
-"""How badly a speed or a heading may meet itself where a path closes."""
 SCALE_MAX = 20.0
 NAMES = ("thrust_n", "tilt_deg", "motor", "body_rate_dps", "yaw_rate_dps", "path_radius_m", "regularity", "vdot_over_g")
 """The limits of the contract ``companion.check/1``."""
@@ -32,79 +26,96 @@ REPORTED_ONLY = frozenset({"vdot_over_g"})
 """Remark 4.3: sufficient, not necessary; it never decides."""
 
 
-@dataclass(frozen=True, slots=True)
-class Limit:
-    """One limit: the ``worst`` value along the path, at arc length ``at_s``, against ``limit`` (None: there is none).
-    ``used``: the share of it that is used, 1 at the limit. ``part``: which motor or axis."""
-
-    name: str
-    worst: float
-    limit: float | None
-    at_s: float
-    ok: bool
-    used: float
-    part: str = ""
-
-
 @dataclass(frozen=True)
 class Report:
-    """What ``check`` says. ``mission``: as it would be flown, its speed known. ``limits``: those of the contract, in
-    its order; ``others``: more of the same kind. ``speed_scale_max``: the largest factor on the whole speed that keeps
-    every limit. ``max_vdot``: m/s^2, of Remark 4.3. ``asked``, ``at``: the demand and the places it was looked at."""
+    """What ``check`` says.
+
+    ``mission``: as it would be flown, its speed known; ``auto``: whether it was left to the vehicle. ``limits``: those
+    of the contract, in its order; ``others``: more of the same kind. ``length`` m, ``duration`` s: once along the path.
+    ``speed_scale_max``: the largest factor on the whole speed that keeps every limit, 0 where none does; ``at_most``:
+    the limit that is met there. ``max_vdot``: m/s^2, of Remark 4.3. ``asked``, ``at``: the demand and the places it was
+    looked at. ``ground``: m, down in the vehicle's local frame.
+    """
 
     mission: Mission
     vehicle: Vehicle
+    auto: bool
     limits: tuple[Limit, ...]
     others: tuple[Limit, ...]
     length: float
     duration: float
     speed_scale_max: float
+    at_most: Limit
     max_vdot: float
     at: Stations
     asked: Demand
+    ground: float
+
+    @property
+    def deciding(self) -> tuple[Limit, ...]:
+        """Every limit that decides."""
+        return tuple(limit for limit in (*self.limits, *self.others) if limit.name not in REPORTED_ONLY)
 
     @property
     def feasible(self) -> bool:
         """Whether every limit that decides is kept."""
-        return all(limit.ok for limit in (*self.limits, *self.others) if limit.name not in REPORTED_ONLY)
+        return all(limit.ok for limit in self.deciding)
 
     @property
     def tightest(self) -> Limit:
         """The limit of which most is used."""
-        deciding = (limit for limit in (*self.limits, *self.others) if limit.name not in REPORTED_ONLY)
-        return max(deciding, key=lambda limit: limit.used)
+        return max(self.deciding, key=lambda limit: limit.used)
+
+    @property
+    def proposition_4_2(self) -> bool:
+        """Whether Proposition 4.2's condition holds as Remark 4.3 evaluates it: max |V'| < g along the path."""
+        return self.max_vdot < self.vehicle.gravity
 
 
-def check(mission: Mission, vehicle: Vehicle) -> Report:
-    """The report for a mission, its speed found first where it is ``auto``. CompanionError: it cannot be looked at."""
-    mission = flyable(mission, vehicle)
-    at = stations(mission, places(mission))
+def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Report:
+    """The report for a mission, its speed found first where it is ``auto``: a second's work at most for usual paths.
+
+    ``ground``: m, down in the local frame; None: what the mission's heights count from. CompanionError, ValueError,
+    ArithmeticError: the path, its speed or its yaw is not defined somewhere.
+    """
+    auto = isinstance(mission.speed, AutoSpeed)
+    try:
+        flown = flyable(mission, vehicle)
+    except TooSlowError:  # the limits broken at a crawl say why
+        flown = replace(mission, speed=ConstantSpeed(mission.direction * SPEED_MIN))
+    ground = mission.placement.origin_n[2] if ground is None else ground
+    at = stations(flown, places(flown))
     asked = demand(at, vehicle)
-    found = _by_name(quantities(asked, vehicle), at.s)
-    found += [_radius(at), _regularity(at, asked, vehicle), _vdot(at, asked, vehicle)]
-    others = [limit for limit in found if limit.name not in NAMES]
-    others += [_clearance(mission, at), *_jumps(mission, at)]
+    speed_free = (geometry.radius(at), geometry.clearance(at, ground), *geometry.jumps(flown, at))
+    found = [*_of_speed(at, asked, vehicle), _vdot(at, asked, vehicle), *speed_free]
     limits = tuple(next(limit for limit in found if limit.name == name) for name in NAMES)
+    scale, at_most = speed_scale_max(at, vehicle)
     slowness = 1.0 / np.abs(at.alpha[0])
+    broken = [limit for limit in speed_free if not limit.ok]
     return Report(
-        mission=mission,
+        mission=flown,
         vehicle=vehicle,
+        auto=auto,
         limits=limits,
-        others=tuple(others),
-        length=mission.table.length,
+        others=tuple(limit for limit in found if limit.name not in NAMES),
+        length=flown.table.length,
         duration=float(np.sum(0.5 * (slowness[1:] + slowness[:-1]) * np.diff(at.s))),
-        speed_scale_max=speed_scale_max(at, vehicle),
+        speed_scale_max=0.0 if broken else scale,
+        at_most=max(broken, key=lambda limit: limit.used) if broken else at_most,
         max_vdot=float(np.max(asked.acceleration)),
         at=at,
         asked=asked,
+        ground=ground,
     )
 
 
-def speed_scale_max(at: Stations, vehicle: Vehicle) -> float:
-    """The largest factor on the whole speed profile up to which every limit is kept; at most ``SCALE_MAX``."""
+def speed_scale_max(at: Stations, vehicle: Vehicle) -> tuple[float, Limit]:
+    """The largest factor on the whole speed profile up to which every limit is kept, at most ``SCALE_MAX``; and the
+    limit that is met there."""
 
     def kept(scale: float) -> bool:
-        return worst_use(demand(at, vehicle, scale), vehicle) <= 1.0
+        asked = demand(at, vehicle, scale)
+        return worst_use(asked, vehicle) <= 1.0 and _regularity(at, asked, vehicle).ok
 
     low, high = 0.0, SCALE_MAX
     for scale in np.geomspace(0.02, SCALE_MAX, 25):
@@ -112,36 +123,15 @@ def speed_scale_max(at: Stations, vehicle: Vehicle) -> float:
             high = float(scale)
             break
         low = float(scale)
-    else:
-        return SCALE_MAX
-    for _ in range(18):
+    for _ in range(18 if low < SCALE_MAX else 0):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if kept(middle) else (low, middle)
-    return low
+    return low, max(_of_speed(at, demand(at, vehicle, low), vehicle), key=lambda limit: limit.used)
 
 
-def _by_name(found: list[Quantity], s: Array) -> list[Limit]:
-    """The part of each quantity that uses most."""
-    result: dict[str, Limit] = {}
-    for q in found:
-        used = q.used
-        i = int(np.argmax(used))
-        if q.name in result and used[i] <= result[q.name].used:
-            continue
-        side = q.high if q.values[i] >= q.rest else q.low
-        limit = side if math.isfinite(side) else None
-        result[q.name] = Limit(
-            q.name, float(q.values[i]), limit, float(s[i]), bool(used[i] <= 1.0), float(used[i]), q.part
-        )
-    return list(result.values())
-
-
-def _radius(at: Stations) -> Limit:
-    """The radius of the tube in which the closest point is one: the distance to the evolute."""
-    bend = np.linalg.norm(at.path[2], axis=0)
-    i = int(np.argmax(bend))
-    radius = 1.0 / float(bend[i]) if bend[i] > 1e-6 else 1e6
-    return Limit("path_radius_m", radius, RADIUS_MIN, float(at.s[i]), radius >= RADIUS_MIN, RADIUS_MIN / radius)
+def _of_speed(at: Stations, asked: Demand, vehicle: Vehicle) -> list[Limit]:
+    """The limits that depend on the speed."""
+    return [*worst(quantities(asked, vehicle), at.s), _regularity(at, asked, vehicle)]
 
 
 def _regularity(at: Stations, asked: Demand, vehicle: Vehicle) -> Limit:
@@ -150,34 +140,12 @@ def _regularity(at: Stations, asked: Demand, vehicle: Vehicle) -> Limit:
     least = np.minimum(at.sine, np.minimum(np.cos(asked.tilt), asked.thrust / vehicle.weight))
     least = np.where(np.isfinite(least), least, 0.0)
     i = int(np.argmin(least))
-    worst = float(least[i])
-    return Limit(
-        "regularity", worst, REGULARITY_MIN, float(at.s[i]), worst >= REGULARITY_MIN, REGULARITY_MIN / max(worst, 1e-9)
-    )
+    value = float(least[i])
+    used = REGULARITY_MIN / max(value, 1e-9)
+    return Limit("regularity", value, REGULARITY_MIN, float(at.s[i]), value >= REGULARITY_MIN, used)
 
 
 def _vdot(at: Stations, asked: Demand, vehicle: Vehicle) -> Limit:
     i = int(np.argmax(asked.acceleration))
-    worst = float(asked.acceleration[i]) / vehicle.gravity
-    return Limit("vdot_over_g", worst, 1.0, float(at.s[i]), worst < 1.0, worst)
-
-
-def _clearance(mission: Mission, at: Stations) -> Limit:
-    height = mission.placement.origin_n[2] - at.path[0, 2]
-    i = int(np.argmin(height))
-    worst = float(height[i])
-    used = CLEARANCE_MIN / worst if worst > 0.0 else math.inf
-    return Limit("ground_clearance_m", worst, CLEARANCE_MIN, float(at.s[i]), worst >= CLEARANCE_MIN, used)
-
-
-def _jumps(mission: Mission, at: Stations) -> list[Limit]:
-    """How speed and heading meet themselves where the path closes."""
-    if not mission.closed:
-        return []
-    speed = abs(float(at.alpha[0, -1] - at.alpha[0, 0]))
-    turned = math.remainder(float(at.beta[0, -1] - at.beta[0, 0]), math.tau)
-    found = {"speed_jump_mps": speed, "yaw_jump_deg": abs(math.degrees(turned))}
-    return [
-        Limit(name, worst, JUMPS[name], float(at.s[-1]), worst <= JUMPS[name], worst / JUMPS[name])
-        for name, worst in found.items()
-    ]
+    value = float(asked.acceleration[i]) / vehicle.gravity
+    return Limit("vdot_over_g", value, 1.0, float(at.s[i]), value < 1.0, value)

@@ -1,0 +1,53 @@
+"""``check``: what a mission will ask of a vehicle, before anything flies."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from companion.cli.finish import say
+from companion.cli.orders import Output, read_sortie
+from companion.config.faults import ConfigError, Fault
+from companion.feasibility import report as feasibility
+from companion.feasibility.document import as_document
+from companion.feasibility.words import headline, in_words
+
+FEASIBLE, NOT_FEASIBLE = 0, 1
+PICTURES = (".png", ".svg", ".pdf")
+
+
+def check(mission: str, vehicle: str | None, *, as_json: bool, plot: Path | None) -> int:
+    """Look at a mission and say what would happen; the exit code. ConfigError: it cannot be looked at."""
+    if plot is not None:
+        _plottable(plot)
+    sortie = read_sortie(mission, vehicle, Output.AUTO)
+    try:
+        found = feasibility.check(sortie.mission, sortie.vehicle)
+    except (ValueError, ArithmeticError) as error:
+        raise ConfigError([Fault(sortie.mission_source.name, 1, "path", str(error))]) from None
+    if as_json:
+        print(json.dumps(as_document(found), indent=2))
+        say(headline(found))
+    else:
+        print(in_words(found))
+    if plot is not None:
+        from companion.feasibility.picture import picture
+
+        try:
+            picture(found).savefig(plot)
+        except OSError as error:
+            raise ConfigError([Fault(str(plot), 0, "", f"cannot be written: {error.strerror}")]) from None
+        say(f"picture: {plot}")
+    return FEASIBLE if found.feasible else NOT_FEASIBLE
+
+
+def _plottable(plot: Path) -> None:
+    if plot.suffix.lower() not in PICTURES:
+        raise ConfigError([Fault("--plot", 0, "", f"{plot.name}: expected a file ending in {', '.join(PICTURES)}")])
+    if not plot.parent.is_dir():
+        raise ConfigError([Fault("--plot", 0, "", f"{plot.parent}: no such directory")])
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        message = "a picture needs matplotlib; install it with: pip install 'companion[report]'"
+        raise ConfigError([Fault("--plot", 0, "", message)]) from None

@@ -1,0 +1,205 @@
+"""`companion check`: exact values where they are known, places named, and what the command prints."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from companion.cli.commands import main
+from companion.config.document import parse
+from companion.config.mission import load_mission, mission_from
+from companion.config.places import names
+from companion.config.vehicle import load_vehicle
+from companion.feasibility.report import NAMES, Report, check
+from companion.feasibility.words import in_words
+from companion.mission import Mission
+from companion.vehicle import Vehicle
+
+X500 = load_vehicle("x500")
+GOOD = """\
+mission: circle
+frame: {frame}
+path: {{kind: circle, center: [0, 0, {z}], radius: {r}}}
+speed: {speed}
+yaw: {yaw}
+"""
+
+
+def circle(
+    speed: object = 4.0, r: float = 6.0, yaw: object = 0.0, z: float = 12.0, frame: str = "enu", more: str = ""
+) -> Mission:
+    text = GOOD.format(speed=speed, r=r, yaw=yaw, z=z, frame=frame) + more
+    return mission_from(parse(text, "test.yaml"), None)
+
+
+def level_turn(vehicle: Vehicle, v: float, r: float) -> tuple[float, float]:
+    """(thrust N, tilt rad) of a level turn: gravity, the centripetal force, and the drag that is overcome."""
+    side = math.hypot(v * v / r, vehicle.drag * v)
+    return vehicle.mass * math.hypot(vehicle.gravity, side), math.atan2(side, vehicle.gravity)
+
+
+def worst(report: Report, name: str) -> float:
+    return next(limit.worst for limit in (*report.limits, *report.others) if limit.name == name)
+
+
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *words: str) -> tuple[int, str, str]:
+    monkeypatch.setattr("sys.argv", ["companion", "check", *words])
+    with pytest.raises(SystemExit) as left:
+        main()
+    out, err = capsys.readouterr()
+    return int(left.value.code or 0), out, err
+
+
+def test_a_level_turn_is_exact() -> None:
+    report = check(circle(), X500)
+    thrust, tilt = level_turn(X500, 4.0, 6.0)
+    assert worst(report, "thrust_n") == pytest.approx(thrust, rel=1e-9)
+    assert worst(report, "tilt_deg") == pytest.approx(math.degrees(tilt), rel=1e-9)
+    assert worst(report, "path_radius_m") == pytest.approx(6.0, rel=1e-6)
+    assert report.length == pytest.approx(12.0 * math.pi, rel=1e-9)
+    assert report.duration == pytest.approx(3.0 * math.pi, rel=1e-9)
+    assert report.max_vdot == pytest.approx(16.0 / 6.0, rel=1e-9)
+
+
+def test_the_papers_cases() -> None:
+    """Steady states of section V: 5.2418 and 66.4428 deg, 19.7024 and 49.0912 N; Remark 4.3 holds for the first only."""
+    one, two = (check(load_mission(f"paper_case{i}", None), load_vehicle("paper")) for i in (1, 2))
+    assert worst(one, "tilt_deg") == pytest.approx(math.degrees(math.atan(0.9 / 9.81)), abs=1e-7)
+    assert worst(two, "tilt_deg") == pytest.approx(math.degrees(math.atan(22.5 / 9.81)), abs=1e-7)
+    assert worst(one, "thrust_n") == pytest.approx(19.7024, abs=1e-4)
+    assert worst(two, "thrust_n") == pytest.approx(49.0912, abs=1e-4)
+    assert (one.max_vdot, two.max_vdot) == (pytest.approx(0.9), pytest.approx(22.5))
+    assert one.proposition_4_2
+    assert not two.proposition_4_2
+    assert one.feasible and two.feasible  # sufficient, not necessary
+
+
+def test_the_largest_factor_on_the_speed() -> None:
+    """Where tilt decides it is known: 45 degrees where v^2/r and the drag together are g."""
+    report = check(circle(speed=3.0, r=10.0), X500)
+    v, low, high = 0.0, 0.0, 30.0
+    for _ in range(60):
+        v = 0.5 * (low + high)
+        low, high = (v, high) if math.hypot(v * v / 10.0, X500.drag * v) < X500.gravity else (low, v)
+    assert report.at_most.name == "tilt_deg"
+    assert report.speed_scale_max == pytest.approx(v / 3.0, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("speed", "yaw"),
+    [
+        ("3 + sin(s/6)", "tangent"),
+        ("-2.5 - cos(s/3)", "{look_at: [1, 2, 0]}"),
+        ("{table: [[0, 2], [20, 4]]}", "40*sin(s/6)"),
+    ],
+)
+def test_the_largest_factor_is_that_of_the_whole_profile(speed: str, yaw: str) -> None:
+    """The same mission with its speed multiplied by the factor is just feasible."""
+    report = check(circle(speed, yaw=yaw), X500)
+    scale = report.speed_scale_max
+    for factor, feasible in ((0.999, True), (1.001, False)):
+        if speed.startswith("{"):
+            scaled = f"{{table: [[0, {2 * scale * factor}], [20, {4 * scale * factor}]]}}"
+        else:
+            scaled = f"{scale * factor}*({speed})"
+        assert check(circle(scaled, yaw=yaw), X500).feasible is feasible
+
+
+@pytest.mark.parametrize(
+    ("mission", "name", "said"),
+    [
+        (circle(speed=9.0), "tilt_deg", "It would tilt by"),
+        (circle(speed=13.0, r=500.0), "speed_mps", "m/s"),
+        (circle(speed=5.0, r=2.0, yaw="tangent"), "yaw_rate_dps", "heading rate"),
+        (circle(r=0.2, speed=0.2), "path_radius_m", "bends to a radius of 0.20 m"),
+        (circle(z=-3.0), "ground_clearance_m", "below the ground (z points up in frame enu)"),
+        (circle(z=3.0, frame="ned"), "ground_clearance_m", "below the ground (z points down in frame ned)"),
+        (circle(yaw="10*s"), "yaw_jump_deg", "the heading jumps by 17."),
+        (circle(speed="3 + s/20"), "speed_jump_percent", "the speed jumps by"),
+    ],
+    ids=lambda value: value if isinstance(value, str) and "_" in value else "",
+)
+def test_what_cannot_be_flown_is_said_with_its_place(mission: Mission, name: str, said: str) -> None:
+    report = check(mission, X500)
+    broken = {limit.name: limit for limit in report.deciding if not limit.ok}
+    assert name in broken
+    assert not report.feasible
+    text = in_words(report)
+    assert "cannot be flown like this" in text.splitlines()[0]
+    assert f"{broken[name].at_s:.1f} m" in text
+    if report.tightest.name == name:
+        assert said in text.splitlines()[0]
+
+
+def test_a_limit_of_the_path_leaves_no_speed() -> None:
+    report = check(circle(yaw="10*s"), X500)
+    assert report.speed_scale_max == 0.0
+    assert "at no speed" in in_words(report)
+
+
+def test_a_vehicle_that_watches_its_tilt_is_kept_under_its_detector() -> None:
+    """SIH allows 50 degrees and its failure detector ends the flight at 60: 50 is just inside."""
+    limits = {limit.name: limit for limit in check(circle(), load_vehicle("sih")).limits}
+    assert limits["tilt_deg"].limit == pytest.approx(50.0)
+
+
+def test_a_speed_that_is_found() -> None:
+    report = check(circle(speed="auto"), X500)
+    assert report.auto and report.feasible
+    assert report.speed_scale_max > 1.0
+    assert "the fastest this vehicle can keep" in in_words(report)
+    assert check(circle(speed="auto", r=0.2), X500).feasible is False
+
+
+@pytest.mark.parametrize("name", names("missions"))
+def test_shipped_missions_can_be_flown(name: str) -> None:
+    mission = load_mission(name, None)
+    assert check(mission, load_vehicle(mission.vehicle or "x500")).feasible
+
+
+def test_the_document(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    code, out, err = run(capsys, monkeypatch, "circle", "--json")
+    document: dict[str, Any] = json.loads(out)
+    assert code == 0
+    assert "can be flown" in err
+    assert document["schema"] == "companion.check/1"
+    assert [limit["name"] for limit in document["limits"]] == list(NAMES)
+    for limit in document["limits"]:
+        assert {"name", "worst", "limit", "at_s", "ok"} <= set(limit)
+    assert document["feasible"] is True
+    assert document["length_m"] == pytest.approx(37.70, abs=0.01)
+    assert document["duration_s"] == pytest.approx(9.42, abs=0.01)
+    assert document["paper"] == {"max_vdot": pytest.approx(2.667, abs=1e-3), "g": 9.80665, "proposition_4_2": True}
+
+
+def test_exit_codes_and_words(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    fast = tmp_path / "fast.yaml"
+    fast.write_text(GOOD.format(speed=9.0, r=6.0, yaw=0.0, z=12.0, frame="enu"))
+    code, out, _ = run(capsys, monkeypatch, str(fast))
+    assert code == 1
+    assert "cannot be flown like this" in out
+    code, out, _ = run(capsys, monkeypatch, str(fast), "--json")
+    assert code == 1
+    assert json.loads(out)["feasible"] is False
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(fast.read_text().replace("radius: 6.0", "radius: -1"))
+    code, out, err = run(capsys, monkeypatch, str(bad))
+    assert (code, out) == (2, "")
+    assert f"{bad}:3: path.radius" in err
+    assert run(capsys, monkeypatch, "circle", "--plot", str(tmp_path / "a.txt"))[0] == 2
+    assert run(capsys, monkeypatch, "circle", "--plot", str(tmp_path / "none" / "a.png"))[0] == 2
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_a_picture(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str
+) -> None:
+    plot = tmp_path / f"circle.{suffix}"
+    assert run(capsys, monkeypatch, "circle", "--plot", str(plot))[0] == 0
+    assert plot.stat().st_size > 5000
