@@ -83,6 +83,17 @@ class Client:
             type_mask=mask, q=(1.0, 0.0, 0.0, 0.0),
         )  # fmt: skip
 
+    def sticks(self, pitch: float = 0.0, roll: float = 0.0, throttle: float = 0.0, yaw: float = 0.0) -> None:
+        """A pilot's sticks, -1..1, by the operator's link."""
+        x, y, r = (round(1000 * value) for value in (pitch, roll, yaw))
+        self.send("MANUAL_CONTROL", 1, target=1, x=x, y=y, z=round(500 * (throttle + 1.0)), r=r)
+
+    def piloted(self, seconds: float, also: Any = None, **deflection: float) -> None:
+        """Let time pass with somebody at the sticks, 25 times a second."""
+        for _ in range(round(25 * seconds)):
+            self.sticks(**deflection)
+            self.run(0.04, also)
+
     def motors(self, *commands: float) -> None:
         self.send("SET_ACTUATOR_CONTROL_TARGET", controls=(*commands, 0.0, 0.0, 0.0, 0.0))
 

@@ -2,6 +2,13 @@
 
 parameters  the figures a user may set, under PX4's names
 commander   armed or not, which mode, what to do when something is lost: no I/O, no physics
+failsafe    what to do when something is wrong: PX4's state machine
+causes      what can go wrong, and what the parameters ask for then
+contacts    who has been heard lately
+sticks      a pilot's sticks
+stick_flight  what the modes that need a pilot fly
+battery     how full it is
+tilt_watch  whether the vehicle has tipped over
 landing     whether the vehicle is on the ground
 setpoints   offboard setpoints as PX4 reads them
 guidance    what the automatic modes fly

@@ -8,11 +8,15 @@ from companion.mavlink.modes import Landed, Mode
 from companion.vehicle import Vehicle
 from companion.world import Home
 from sim_bridge.autopilot import parameters
-from sim_bridge.autopilot.battery import Battery
-from sim_bridge.autopilot.commander import READY_AFTER, Commander, Result, Severity
+from sim_bridge.autopilot.battery import Battery, ChargeState
+from sim_bridge.autopilot.commander import MANUAL, READY_AFTER, Commander, Result, Severity, Text
+from sim_bridge.autopilot.contacts import Contacts
 from sim_bridge.autopilot.guidance import Guidance, Throttle
 from sim_bridge.autopilot.landing import LandingDetector
 from sim_bridge.autopilot.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
+from sim_bridge.autopilot.stick_flight import BY_PLACE_OR_HEIGHT, StickFlight
+from sim_bridge.autopilot.sticks import CENTRED, Deflection, Sticks
+from sim_bridge.autopilot.tilt_watch import TiltWatch
 from sim_bridge.autopilot.whereabouts import Whereabouts
 from sim_bridge.control.cascade import Cascade
 from sim_bridge.plant import Truth
@@ -21,6 +25,11 @@ from sim_bridge.sensors import Estimate
 
 SUPERVISION_US = 20_000
 """The period at which timers, landing and the end of modes are looked at."""
+LOW_BATTERY = {
+    ChargeState.LOW: Text(Severity.CRITICAL, "Low battery\t"),
+    ChargeState.CRITICAL: Text(Severity.CRITICAL, "Critical battery\t"),
+    ChargeState.EMERGENCY: Text(Severity.EMERGENCY, "Emergency battery level\t"),
+}
 UNIX_US_AT_BOOT = 1_767_225_600_000_000
 """What the wall's clock shows at boot where nobody sets it: the first of January 2026."""
 
@@ -42,9 +51,14 @@ class Autopilot:
         self.parameters = parameters.of(vehicle, home)
         self.battery = Battery(self.parameters)
         self.commander = Commander(self.parameters, READY_AFTER)
+        self.contacts = Contacts(self.parameters, self.commander)
+        self._tilt = TiltWatch(self.parameters)
         self.guidance = Guidance(self.parameters)
         self.whereabouts = Whereabouts(self.guidance)
         self.cascade = Cascade(vehicle, step)
+        self.sticks = Sticks(self.parameters)
+        self.stick_flight = StickFlight(self.parameters, self.cascade.hover, vehicle.gravity)
+        self._step = step
         self.estimate = estimate
         self.truth = truth
         self.demand: Demand | None = None
@@ -60,7 +74,6 @@ class Autopilot:
         """Start armed in HOLD in the air, the motors at ``commands``, the loops knowing a steady ``disturbance``."""
         self.estimate = estimate
         self.truth = truth
-        self.commander = Commander(self.parameters, ready_at=0.0)
         self.commander.begin_in_flight()
         self.whereabouts.begin_in_flight()
         self._landing = LandingDetector(landed=False)
@@ -103,12 +116,34 @@ class Autopilot:
             self._enter(commander.mode)
         if commander.mode is Mode.OFFBOARD:
             return self._fly_offboard(now)
+        if commander.mode in MANUAL:
+            return self._fly_by_stick(now)
         if cascade.wants_target:
             on_ground = commander.landed or (commander.mode is Mode.TAKEOFF and self._stands)
             wanted = self.guidance.step(now, self.t, on_ground, self._landing.touching, cascade.position_step)
             if isinstance(wanted, Throttle):
-                cascade.begin_position()
-                return cascade.fly_rates(now, (0.0, 0.0, 0.0), wanted.of_hover * cascade.hover, on_ground=True)
+                return self._open_throttle(now, wanted)
+            cascade.aim(now, wanted)
+        return cascade.fly_aim(now)
+
+    def _open_throttle(self, now: Estimate, wanted: Throttle) -> Four:
+        """On the ground or close to it: no turning, and the throttle so far open."""
+        self.cascade.begin_position()
+        return self.cascade.fly_rates(now, (0.0, 0.0, 0.0), wanted.of_hover * self.cascade.hover, on_ground=True)
+
+    def _fly_by_stick(self, now: Estimate) -> Four:
+        """What the pilot's sticks say; let go where nobody holds them."""
+        commander, cascade, sticks = self.commander, self.cascade, self.sticks.position
+        if commander.facts.sticks_lost:
+            sticks = CENTRED
+        if commander.mode not in BY_PLACE_OR_HEIGHT:
+            return self._fly(now, self.stick_flight.demand(now, sticks, commander.landed, self._step))
+        if cascade.wants_target:
+            wanted = self.stick_flight.aim(
+                now, sticks, commander.landed, self._landing.touching, cascade.position_step
+            )  # fmt: skip
+            if isinstance(wanted, Throttle):
+                return self._open_throttle(now, wanted)
             cascade.aim(now, wanted)
         return cascade.fly_aim(now)
 
@@ -128,8 +163,22 @@ class Autopilot:
         commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
+        self._gather(estimate)
         commander.update(self.t)
         self.whereabouts.update(estimate, commander.armed, commander.landed)
+
+    def _gather(self, estimate: Estimate) -> None:
+        """Bring the commander's facts up to date."""
+        commander, facts = self.commander, self.commander.facts
+        self.battery.update(SUPERVISION_US * 1e-6, commander.armed)
+        self.contacts.update(self.t)
+        if self.battery.state is not facts.charge:
+            facts.charge = self.battery.state
+            if facts.charge in LOW_BATTERY:
+                commander.say(*LOW_BATTERY[facts.charge])
+        facts.sticks_lost = self.sticks.is_lost(self.t)
+        rates_alone = commander.mode is Mode.ACRO or isinstance(self.demand, RateDemand | MotorDemand)
+        facts.tipped_over = self._tilt.update(self.t, estimate.q_nb, commander.armed and not rates_alone)
 
     def offboard(self, demand: Demand) -> None:
         """An offboard setpoint. Motor commands count only where the vehicle takes them."""
@@ -139,6 +188,14 @@ class Autopilot:
         if self.commander.armed and self.commander.mode is Mode.OFFBOARD:
             self.demand = demand
             self.offboard_flown = True
+
+    def take_sticks(self, position: Deflection, source: object) -> None:
+        """Where a pilot's sticks are."""
+        self.sticks.take(position, source, self.t)
+        self.commander.throttle = position.throttle
+        self.commander.facts.sticks_lost = self.sticks.is_lost(self.t)
+        if self.sticks.have_moved():
+            self.commander.sticks_moved(self.t)
 
     def request_mode(self, mode: Mode, aloud: bool = True) -> Result:
         """Somebody asks for a mode. ``aloud``: a refusal is told in words."""
@@ -167,7 +224,10 @@ class Autopilot:
         if mode is Mode.TAKEOFF and self.guidance.takeoff_to is None:
             height = self.parameters["MIS_TAKEOFF_ALT"]
             self.commander.say(Severity.INFO, f"Using default takeoff altitude: {height:.1f} m\t")
-        self.guidance.enter(mode, self.estimate)
+        if mode in MANUAL:
+            self.stick_flight.enter(mode, self.estimate)
+        else:
+            self.guidance.enter(mode, self.estimate)
         if mode is not Mode.OFFBOARD:
             self.demand = None
             if came_from_offboard:
@@ -178,12 +238,16 @@ class Autopilot:
         demand, cascade = self.demand, self.cascade
         if isinstance(demand, MotorDemand):
             return cascade.fly_motors(now, demand.commands)
-        if isinstance(demand, RateDemand):
-            return cascade.fly_rates(now, demand.rates, demand.thrust, self.commander.landed)
-        if isinstance(demand, AttitudeDemand):
-            return cascade.fly_attitude(
-                now, demand.q_nb, demand.thrust, demand.heading_rate, self.commander.landed
-            )  # fmt: skip
+        if demand is not None:
+            return self._fly(now, demand)
         if self.direct:
             return cascade.fly_motors(now, cascade.commands)
         return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, self.commander.landed)
+
+    def _fly(self, now: Estimate, demand: AttitudeDemand | RateDemand) -> Four:
+        """An attitude or rates."""
+        if isinstance(demand, RateDemand):
+            return self.cascade.fly_rates(now, demand.rates, demand.thrust, self.commander.landed)
+        return self.cascade.fly_attitude(
+            now, demand.q_nb, demand.thrust, demand.heading_rate, self.commander.landed
+        )  # fmt: skip

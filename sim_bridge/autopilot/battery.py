@@ -1,4 +1,8 @@
-"""What the autopilot knows of its battery."""
+"""What the autopilot knows of its battery.
+
+As in PX4's simulation it empties while the vehicle is armed, in SIM_BAT_DRAIN seconds from full to empty, but never
+below SIM_BAT_MIN_PCT, and is full again on the ground.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +26,15 @@ class Battery:
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         self.remaining = 1.0
+
+    def update(self, passed: float, armed: bool) -> None:
+        """``passed`` s more."""
+        limits = self._parameters
+        if not armed or not limits["SIM_BAT_ENABLE"]:
+            self.remaining = 1.0
+            return
+        least = max(0.0, min(100.0, limits["SIM_BAT_MIN_PCT"])) / 100.0
+        self.remaining = max(least, self.remaining - passed / max(1.0, limits["SIM_BAT_DRAIN"]))
 
     @property
     def state(self) -> ChargeState:

@@ -11,6 +11,8 @@ import math
 from typing import NamedTuple
 
 from companion.mavlink.modes import Mode
+from sim_bridge.autopilot.causes import AtArming, Facts, causes, fallback
+from sim_bridge.autopilot.failsafe import FLOWN, Action, Failsafe, Option, Situation, Takeover
 from sim_bridge.autopilot.parameters import Parameters
 
 READY_AFTER = 4.4
@@ -26,21 +28,12 @@ MANUAL = {
     Mode.MANUAL, Mode.ALTITUDE, Mode.POSITION, Mode.POSITION_SLOW, Mode.ACRO, Mode.STABILIZED, Mode.ALTITUDE_CRUISE,
 }  # fmt: skip
 """Modes that need somebody at the sticks."""
-WITHOUT_A_PLAN = {Mode.MISSION, Mode.FOLLOW, Mode.ORBIT, Mode.PRECISION_LAND, Mode.GUIDED_COURSE, Mode.READY}
-"""Modes that need something this vehicle has not been given."""
-ENDING = {Mode.LAND, Mode.RETURN, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION}
-"""Modes that end on the ground: nobody arms in them, and after disarming the mode before them is back."""
-OFFBOARD_LOST = {
-    0: Mode.RETURN,  # Position, which needs sticks
-    1: Mode.RETURN,  # Altitude, likewise
-    2: Mode.RETURN,  # Stabilized, likewise
-    3: Mode.RETURN,
-    4: Mode.LAND,
-    5: Mode.HOLD,
-    6: Mode.TERMINATION,
-    7: Mode.TERMINATION,
-}
-"""COM_OBL_RC_ACT: what follows the loss of offboard setpoints where there is no manual control."""
+NOT_THERE = {Mode.ORBIT, Mode.FOLLOW, Mode.GUIDED_COURSE, Mode.READY, Mode.UNKNOWN}
+"""Modes that this vehicle does not fly."""
+ENDING = {Mode.LAND, Mode.RETURN, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION, Mode.ORBIT}
+"""Modes in which nobody arms, and after which, once disarmed, the mode before them is back."""
+HOLD_WITHOUT_A_FAILSAFE = 7
+"""NAV_RCL_ACT."""
 TITLES = {Mode.RETURN: "Return", Mode.LAND: "Land", Mode.HOLD: "Hold", Mode.POSITION: "Position"}
 
 
@@ -60,6 +53,7 @@ class Result(enum.IntEnum):
 class Severity(enum.IntEnum):
     """MAV_SEVERITY of a text."""
 
+    EMERGENCY = 0
     CRITICAL = 2
     WARNING = 4
     INFO = 6
@@ -73,19 +67,25 @@ class Text(NamedTuple):
 
 
 class Commander:
-    """The decisions of one vehicle. Times are the vehicle's clock, s."""
+    """The decisions of one vehicle. Times are the vehicle's clock, s. ``facts``: kept up to date by others."""
 
     def __init__(self, parameters: Parameters, ready_at: float = READY_AFTER) -> None:
         self._parameters = parameters
         self._ready_at = ready_at
+        self.facts = Facts()
         self.armed = False
         self.armed_at = 0.0
         self.intent = Mode.HOLD
-        self.failsafe: Mode | None = None
         self.landed = True
         self.landed_at = 0.0
         self.has_flown = False
         self.setpoint_at = -math.inf
+        self._failsafe = Failsafe()
+        self._at_arming = AtArming()
+        self.throttle = 0.0
+        """The pilot's throttle stick, -1..1."""
+        self._sticks_were_lost = True
+        self._requested = False
         self._resumed_at: float | None = None
         self._after_disarming = Mode.HOLD
         self.texts: list[Text] = []
@@ -93,7 +93,13 @@ class Commander:
     @property
     def mode(self) -> Mode:
         """What is flown."""
-        return self.intent if self.failsafe is None else self.failsafe
+        action = self._failsafe.action
+        return FLOWN.get(action, self.intent) if self.armed or action is Action.TERMINATE else self.intent
+
+    @property
+    def failsafe(self) -> Mode | None:
+        """What a failsafe flies; None: none does."""
+        return self.mode if self.armed and self._failsafe.is_acting else None
 
     def is_ready(self, t: float) -> bool:
         """Whether the estimator has settled."""
@@ -101,20 +107,27 @@ class Commander:
 
     def can_run(self, mode: Mode, t: float) -> bool:
         """Whether what a mode needs is there."""
-        if not self.is_ready(t) or mode in MANUAL or mode in WITHOUT_A_PLAN:
+        if mode in MANUAL and self.facts.sticks_lost:
             return False
-        return mode is not Mode.OFFBOARD or t - self.setpoint_at <= self._parameters["COM_OF_LOSS_T"]
+        if mode is Mode.OFFBOARD and t - self.setpoint_at > self._parameters["COM_OF_LOSS_T"]:
+            return False
+        return self._has_what_it_takes(mode, t)
 
     def can_arm(self, t: float) -> bool:
         """Whether arming would be accepted."""
-        return self.can_run(self.mode, t) and self.mode not in ENDING
+        unreachable = self.facts.ground_station_lost and self._parameters["NAV_DLL_ACT"]
+        kept = self._parameters["COM_ARM_MIS_REQ"] and self.facts.mission_missing
+        outside = self.facts.outside and self._parameters["GF_ACTION"]
+        return self.can_run(self.mode, t) and self.mode not in ENDING and not (unreachable or kept or outside)
 
     def say(self, severity: Severity, text: str) -> None:
         """Queue a text for the operator."""
         self.texts.append(Text(severity, text))
 
     def begin_in_flight(self) -> None:
-        """Start armed, in the air, in HOLD."""
+        """Start ready and armed, in the air, in HOLD."""
+        self._ready_at = 0.0
+        self._at_arming.since = -math.inf
         self.armed, self.landed, self.has_flown = True, False, True
 
     def request_mode(self, mode: Mode, t: float, aloud: bool = True) -> Result:
@@ -122,12 +135,15 @@ class Commander:
 
         ``aloud``: a refusal is told in words.
         """
-        if self.armed and not self.can_run(mode, t):
+        terminated = self._failsafe.action is Action.TERMINATE and mode is not Mode.TERMINATION
+        if terminated or (self.armed and not self.can_run(mode, t)):
             name = TITLES.get(mode, mode.name.replace("_", " ").title())
             if aloud:
                 self.say(Severity.CRITICAL, f"Switching to {name} is currently not available\t")
             return Result.TEMPORARILY_REJECTED
+        self._requested = True
         self._intend(mode)
+        self.update(t)
         return Result.ACCEPTED
 
     def request_arming(self, arm: bool, force: bool, t: float) -> Result:
@@ -135,10 +151,10 @@ class Commander:
         if arm == self.armed:
             return Result.ACCEPTED
         if arm:
-            if not force and not self.can_arm(t):
-                self.say(Severity.CRITICAL, "Arming denied: Resolve system health failures first\t")
+            if not force and not self._may_arm(t):
                 return Result.TEMPORARILY_REJECTED
             self.armed, self.armed_at, self.has_flown = True, t, not self.landed
+            self.facts.offboard_lost = self.mode is Mode.OFFBOARD and not self.can_run(Mode.OFFBOARD, t)
             self.say(Severity.INFO, "Armed by external command\t")
             return Result.ACCEPTED
         if not self.landed and not force:
@@ -146,6 +162,16 @@ class Commander:
             return Result.TEMPORARILY_REJECTED
         self._disarm("external command")
         return Result.ACCEPTED
+
+    def sticks_moved(self, t: float) -> None:
+        """The pilot moves the sticks with intent: he takes over from whatever flies by itself."""
+        if not self.armed or self.mode in MANUAL or self.mode in (Mode.ORBIT, Mode.TERMINATION):
+            return
+        if self._failsafe.is_acting:
+            self._look(t, sticks_moved=True)
+        elif self.can_run(Mode.POSITION, t):
+            self.say(Severity.INFO, "Pilot took over using sticks\t")
+            self.request_mode(Mode.POSITION, t)
 
     def takeoff_is_over(self) -> None:
         """A take-off has reached its height."""
@@ -169,40 +195,91 @@ class Commander:
             self.say(Severity.INFO, "Takeoff detected\t")
 
     def update(self, t: float) -> None:
-        """Look at the clock: lost and resumed setpoints, automatic disarming."""
-        if not self.armed:
-            return
-        if self.intent is Mode.OFFBOARD:
-            self._watch_setpoints(t)
-        if self.landed:
-            if self.has_flown and t - self.landed_at >= self._parameters["COM_DISARM_LAND"]:
+        """Look at the clock and at the facts: what is lost or back, automatic disarming."""
+        self._watch_setpoints(t)
+        self._watch_sticks()
+        self._look(t)
+        if self.armed and self.landed:
+            if self.has_flown and t - self.landed_at >= self._parameters["COM_DISARM_LAND"] > 0.0:
                 self._disarm("landing")
-            elif not self.has_flown and t - self.armed_at >= self._parameters["COM_DISARM_PRFLT"]:
+            elif not self.has_flown and t - self.armed_at >= self._parameters["COM_DISARM_PRFLT"] > 0.0:
                 self._disarm("auto preflight disarming")
 
+    def _look(self, t: float, sticks_moved: bool = False) -> None:
+        """Let the failsafe decide."""
+        facts, parameters = self.facts, self._parameters
+        self._at_arming.update(t, self.armed, facts)
+        can_run = {mode: self._has_what_it_takes(mode, t) for mode in Mode}
+        can_run[Mode.OFFBOARD] = can_run[Mode.OFFBOARD] and not facts.offboard_lost
+        wrong = {} if not self.armed else causes(t, self.intent, facts, self._at_arming, parameters)
+        falls_to = fallback(self.intent, facts, parameters, can_run)
+        if self.armed and falls_to is not Action.NONE:
+            wrong["mode"] = Option(falls_to, takeover=Takeover.ALWAYS)
+        requested, self._requested = self._requested, False
+        verdict = self._failsafe.update(Situation(
+            t, self.armed, self.intent, requested, sticks_moved, wrong, can_run.__getitem__,
+            lambda mode: fallback(mode, facts, parameters, can_run), parameters["COM_FAIL_ACT_T"],
+        ))  # fmt: skip
+        if verdict.intent is not self.intent:
+            self._intend(verdict.intent)
+        if verdict.text is not None:
+            self.say(Severity.CRITICAL, verdict.text)
+        if self._failsafe.action is Action.DISARM:
+            self._disarm("failsafe")
+
     def _watch_setpoints(self, t: float) -> None:
+        """Notice that offboard setpoints stay away, or are back."""
         age = t - self.setpoint_at
         limit = self._parameters["COM_OF_LOSS_T"]
-        if self.failsafe is None:
-            if age > limit + LOSS_NOTICED_AFTER:
-                self.failsafe = OFFBOARD_LOST.get(round(self._parameters["COM_OBL_RC_ACT"]), Mode.RETURN)
-                self._resumed_at = None
-                self.say(Severity.CRITICAL, "Failsafe activated\t")
+        if not self.armed or self.intent is not Mode.OFFBOARD:
+            self.facts.offboard_lost = age > limit
+            self._resumed_at = None
+        elif not self.facts.offboard_lost:
+            self.facts.offboard_lost = age > limit + LOSS_NOTICED_AFTER
+            self._resumed_at = None
         elif age > limit:
             self._resumed_at = None
         elif self._resumed_at is None:
             self._resumed_at = t
         elif t - self._resumed_at >= RETURN_NOTICED_AFTER:
-            self.failsafe = None
+            self.facts.offboard_lost = False
+
+    def _watch_sticks(self) -> None:
+        """With one setting the loss of the sticks is no failsafe: the vehicle changes to hold, as if told to."""
+        before, lost = self._sticks_were_lost, self.facts.sticks_lost
+        self._sticks_were_lost = lost
+        just_lost = lost and not before and self.armed and self.mode in MANUAL
+        if just_lost and int(self._parameters["NAV_RCL_ACT"]) == HOLD_WITHOUT_A_FAILSAFE:
+            self.say(Severity.INFO, "Manual control lost: switching to Hold\t")
+            self._requested = True
+            self._intend(Mode.HOLD)
+
+    def _has_what_it_takes(self, mode: Mode, t: float) -> bool:
+        """Whether a mode can run, sticks and setpoints apart."""
+        if mode in NOT_THERE or not self.is_ready(t):
+            return False
+        return mode is not Mode.MISSION or not self.facts.mission_missing
+
+    def _may_arm(self, t: float) -> bool:
+        """Whether arming is accepted; if not, why not is said."""
+        if self.mode in MANUAL and not self.facts.sticks_lost:
+            climbs = self.mode in (Mode.POSITION, Mode.POSITION_SLOW, Mode.ALTITUDE, Mode.ALTITUDE_CRUISE)
+            if self.throttle > 0.2 if climbs else self.throttle >= -0.8:
+                self.say(Severity.CRITICAL, "Arming denied: throttle not in safe position\t")
+                return False
+        if not self.can_arm(t):
+            self.say(Severity.CRITICAL, "Arming denied: Resolve system health failures first\t")
+            return False
+        return True
 
     def _intend(self, mode: Mode) -> None:
+        if mode is Mode.OFFBOARD and self.intent is not Mode.OFFBOARD:
+            self.facts.offboard_lost = False  # looked at when it was asked for
         self.intent = mode
-        self.failsafe = None
-        if mode not in ENDING:
+        if mode not in ENDING and mode is not Mode.TAKEOFF:
             self._after_disarming = mode
 
     def _disarm(self, why: str) -> None:
         self.armed = False
-        self.failsafe = None
         self.intent = self._after_disarming
         self.say(Severity.INFO, f"Disarmed by {why}\t")

@@ -26,6 +26,8 @@ RAMP_OF_HOVER = 0.9
 """The part of MPC_TKO_RAMP_T in which the throttle reaches what hovers."""
 CLOSED_OF_HOVER = 0.25
 """Throttle over hover throttle once the ground is felt in a landing, until it counts as landed."""
+DOWN_AT_ONCE = frozenset({Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND})
+"""Modes that land where they begin; there is no target to land precisely on."""
 PACE = Pace()
 
 
@@ -70,7 +72,7 @@ class Guidance:
         self._heading = euler_from_rotation(rotation_matrix(now.q_nb))[0]
         self._place = None
         self._opened_at = None
-        self._climbing, self._landing = mode is Mode.RETURN, mode is Mode.LAND
+        self._climbing, self._landing = mode is Mode.RETURN, mode in DOWN_AT_ONCE
         north, east, down = now.p_n
         if mode is Mode.TAKEOFF:
             top = self.home_n[2] - self._parameters["MIS_TAKEOFF_ALT"] if self.takeoff_to is None else self.takeoff_to

@@ -15,6 +15,7 @@ from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
 from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
 from sim_bridge.autopilot.parameter_link import ParameterLink
 from sim_bridge.autopilot.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
+from sim_bridge.autopilot.sticks import MANUAL_CONTROL, deflection
 from sim_bridge.autopilot.streams import Streams
 
 SYSTEM, COMPONENT = 1, 1
@@ -71,6 +72,7 @@ class Link:
             _TIMESYNC.id: self._timesync,
             ACTUATORS.id: self._actuators,
             ATTITUDE_TARGET.id: self._attitude_target,
+            MANUAL_CONTROL.id: self._manual_control,
             parameter_link.READ.id: self._parameters.read,
             parameter_link.LIST.id: self._parameters.list,
             parameter_link.SET.id: self._parameters.set,
@@ -213,7 +215,9 @@ class Link:
             self._acknowledge(SET_MODE, result, frame)
 
     def _heartbeat(self, frame: Frame) -> None:
-        if frame.values[1] == GROUND_STATION:
+        kind = frame.values[1]
+        self._autopilot.contacts.heard(kind, self._autopilot.t)
+        if kind == GROUND_STATION:
             self._ground_station_until_us = self._now_us + HEARD_FOR_US
 
     def _ping(self, frame: Frame) -> None:
@@ -225,6 +229,11 @@ class Link:
         theirs, ours = frame.values[:2]
         if theirs == 0:  # a request: their time comes back with ours
             self.emit(_TIMESYNC, (self._autopilot.estimate.time_us * 1000, ours))
+
+    def _manual_control(self, frame: Frame) -> None:
+        position = deflection(frame, SYSTEM)
+        if position is not None:
+            self._autopilot.take_sticks(position, self)
 
     def _attitude_target(self, frame: Frame) -> None:
         if _targets_us(frame):

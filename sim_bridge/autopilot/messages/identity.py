@@ -39,7 +39,9 @@ def _base_mode(a: Autopilot) -> int:
 
 
 def _system_status(a: Autopilot) -> int:
-    """MAV_STATE: 0 not ready, 3 standing by, 4 active, 5 in a failsafe."""
+    """MAV_STATE: 0 not ready, 3 standing by, 4 active, 5 in a failsafe, 8 terminated."""
+    if a.commander.mode is Mode.TERMINATION:
+        return 8
     if a.commander.armed:
         return 4 if a.commander.failsafe is None else 5
     return 3 if a.commander.can_run(a.commander.mode, a.t) else 0

@@ -1,0 +1,46 @@
+"""Who has been heard lately: the ground station and the companion, by their heartbeats, and what is said of it."""
+
+from __future__ import annotations
+
+from sim_bridge.autopilot.commander import Commander, Severity
+from sim_bridge.autopilot.parameters import Parameters
+
+GROUND_STATION, COMPANION = 6, 18  # MAV_TYPE_GCS, MAV_TYPE_ONBOARD_CONTROLLER
+COMPANION_LOST_AFTER = 5.0
+
+
+class Contacts:
+    """Tells the commander whether the ground station is lost. A companion that falls silent is only spoken of."""
+
+    def __init__(self, parameters: Parameters, commander: Commander) -> None:
+        self._parameters = parameters
+        self._commander = commander
+        self._heard: dict[int, float] = {}
+        self._lost: set[int] = set()
+
+    def heard(self, kind: int, t: float) -> None:
+        """A heartbeat of a MAV_TYPE at ``t`` (s)."""
+        if kind not in (GROUND_STATION, COMPANION):
+            return
+        if kind in self._lost:
+            self._lost.discard(kind)
+            name = "GCS connection" if kind == GROUND_STATION else "Onboard controller"
+            self._commander.say(Severity.INFO, f"{name} regained\t")
+        self._heard[kind] = t
+        if kind == GROUND_STATION:
+            self._commander.facts.ground_station_lost = False
+
+    def update(self, t: float) -> None:
+        """Look at the clock."""
+        if self._is_silent(GROUND_STATION, t, self._parameters["COM_DL_LOSS_T"]):
+            self._commander.facts.ground_station_lost = True
+            self._commander.say(Severity.INFO, "Connection to ground station lost\t")
+        if self._is_silent(COMPANION, t, COMPANION_LOST_AFTER):
+            self._commander.say(Severity.CRITICAL, "Connection to mission computer lost\t")
+
+    def _is_silent(self, kind: int, t: float, limit: float) -> bool:
+        """Whether one that was heard has just been silent for too long."""
+        if kind in self._lost or kind not in self._heard or t - self._heard[kind] <= limit:
+            return False
+        self._lost.add(kind)
+        return True
