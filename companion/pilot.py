@@ -27,12 +27,14 @@ WAKE_AFTER = 0.05
 
 
 class Observation(NamedTuple):
-    """What is seen at a tick. ``state``: a new one, or None. ``answer``: to a request, or None."""
+    """What is seen at a tick. ``state``: a new one, or None. ``answer``: to a request, or None. ``link_delay``: s, the
+    measured round trip of a message; None until measured."""
 
     state: VehicleState | None
     status: VehicleStatus
     answer: Answer | None = None
     stop: bool = False
+    link_delay: float | None = None
 
 
 class Progress(NamedTuple):

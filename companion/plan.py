@@ -14,11 +14,12 @@ from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
 from companion.steering.motors import motor_steering
 from companion.steering.steering import Steering
-from companion.vehicle import CompanionError, OutputLevel, Vehicle
+from companion.vehicle import CompanionError, OutputLevel, Tuning, Vehicle
 
 RAMP_ACCELERATION = 1.5
 """m/s^2, the steepest rise of the speed at the start."""
 SPEED_SAMPLES = 400
+NOT_SAID = Tuning()
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Plan:
 
     ``mission``: placed in the vehicle's local frame; ``table``: its curve; ``steering``: the law for ``vehicle`` at an
     output ``level``. ``direction``: +1 along mu, -1 against. ``ramp_time``: s until full speed, 0 for none. ``laps``,
-    ``duration`` (s): when following is finished; None until told.
+    ``duration`` (s): when following is finished; None until told. ``tuning``: what the autopilot's parameters say.
     """
 
     mission: Mission
@@ -39,6 +40,7 @@ class Plan:
     ramp_time: float
     laps: float | None
     duration: float | None
+    tuning: Tuning = NOT_SAID
 
 
 def law_level(level: OutputLevel) -> Level:
@@ -47,7 +49,12 @@ def law_level(level: OutputLevel) -> Level:
 
 
 def prepared(
-    mission: Mission, vehicle: Vehicle, level: OutputLevel, origin_n: Vec3, duration: float | None = None
+    mission: Mission,
+    vehicle: Vehicle,
+    level: OutputLevel,
+    origin_n: Vec3,
+    duration: float | None = None,
+    tuning: Tuning = NOT_SAID,
 ) -> Plan:
     """The plan for a mission whose origin lies at ``origin_n`` of the vehicle's local frame.
 
@@ -81,4 +88,5 @@ def prepared(
         ramp_time=ramp_time,
         laps=placed.laps,
         duration=duration,
+        tuning=tuning,
     )

@@ -184,7 +184,7 @@ class VehicleStatus(NamedTuple):
     """What the vehicle last said of itself; None where it has not said.
 
     ``mode`` is the mode it is in, ``intended`` the one its user asked for (they differ in a failsafe). ``ready``: it
-    would accept arming.
+    would accept arming. ``battery``: what remains, 0..1. ``estimator``: the flags of ESTIMATOR_STATUS.
     """
 
     armed: bool | None = None
@@ -193,6 +193,51 @@ class VehicleStatus(NamedTuple):
     landed: Landed | None = None
     ready: bool | None = None
     failsafe: bool | None = None
+    battery: float | None = None
+    estimator: int | None = None
+
+
+class Tuning(NamedTuple):
+    """What the autopilot's own parameters say that matters to the law and to the guards; None where it did not say.
+
+    ``roll_p``, ``pitch_p``, ``yaw_p``: 1/s, attitude error to body rate (MC_ROLL_P, MC_PITCH_P, MC_YAW_P).
+    ``hover_thrust``: normalised (MPC_THR_HOVER). ``thrust_curve``: 0 linear, 1 quadratic in the motor command
+    (THR_MDL_FAC). ``offboard_loss_time``: s until the loss of setpoints is acted on (COM_OF_LOSS_T), and
+    ``offboard_loss_action`` how (COM_OBL_RC_ACT). ``fail_roll``, ``fail_pitch``: rad at which its failure detector ends
+    the flight (FD_FAIL_R, FD_FAIL_P). ``battery_low``, ``battery_critical``: 0..1 (BAT_LOW_THR, BAT_CRIT_THR).
+    ``fence_radius``, ``fence_height``: m from home, 0 for none (GF_MAX_HOR_DIST, GF_MAX_VER_DIST).
+    """
+
+    roll_p: float | None = None
+    pitch_p: float | None = None
+    yaw_p: float | None = None
+    hover_thrust: float | None = None
+    thrust_curve: float | None = None
+    offboard_loss_time: float | None = None
+    offboard_loss_action: int | None = None
+    fail_roll: float | None = None
+    fail_pitch: float | None = None
+    battery_low: float | None = None
+    battery_critical: float | None = None
+    fence_radius: float | None = None
+    fence_height: float | None = None
+
+
+class Home(NamedTuple):
+    """Where the vehicle would return to: degrees, m above mean sea level, and the same place in its local frame (m)."""
+
+    latitude: float
+    longitude: float
+    altitude: float
+    p_n: Vec3
+
+
+class FrameOrigin(NamedTuple):
+    """Where the vehicle's local frame has its origin: degrees, and m above mean sea level."""
+
+    latitude: float
+    longitude: float
+    altitude: float
 
 
 class OutputLevel(enum.Enum):

@@ -32,7 +32,7 @@ MAY_IMPORT: dict[str, str] = {
     "mavlink": "frames vehicle",
     "config": "frames fence geodesy calculus vehicle world paths profiles law mission",
     "record": "frames vehicle world paths law mission plan flight pilot mavlink config",
-    "daemon": "frames vehicle flight mission places plan pilot mavlink record",
+    "daemon": "frames geodesy vehicle flight mission places plan pilot mavlink record",
     "cli": "*",
 }
 SIM_BRIDGE = {"frames", "geodesy", "vehicle", "world", "mavlink"}

@@ -29,8 +29,8 @@ def test_a_flight_from_a_hover() -> None:
     flown = flight()
     assert flown.conductor.memory is not None
     assert completed(flown.conductor.memory)
-    assert flown.notes[0] == "the path runs 10.0 m above the origin of the vehicle's local frame"
-    assert [note.split(":")[0] for note in flown.notes if "->" in note] == [
+    assert "the path runs 10.0 m above home" in flown.notes
+    assert [note.split(":")[0] for note in flown.notes if " -> " in note] == [
         "preflight -> take over",
         "take over -> follow",
         "follow -> hand back",

@@ -96,6 +96,9 @@ def fly(
     connect: Annotated[str, typer.Option(help="udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD.")],
     vehicle: VehicleName = None,
     output: OutputName = Output.AUTO,
+    set_parameters: Annotated[
+        bool, typer.Option("--set-parameters", help="Set what rates need (COM_OF_LOSS_T) and set it back afterwards.")
+    ] = False,
     duration: Duration = None,
     settle: Settle = 10.0,
     record: Record = None,
@@ -115,7 +118,7 @@ def fly(
     faults.raise_any()
     assert sortie is not None and open_port is not None
     directory = record or new_directory(sortie.mission.name)
-    raise typer.Exit(fly_now(Flight(sortie, directory, duration, Ending(json, settle)), open_port()))
+    raise typer.Exit(fly_now(Flight(sortie, directory, duration, Ending(json, settle), set_parameters), open_port()))
 
 
 @app.command()

@@ -25,13 +25,22 @@ class Flight:
     directory: Path
     duration: float | None
     ending: Ending
+    set_parameters: bool = False
 
 
 def fly(flight: Flight, port: Port) -> int:
     """Fly; the exit code."""
     sortie = flight.sortie
     recorder = Recorder(flight.directory, sortie.mission_source, sortie.vehicle_source, time.time() - clock())
-    orders = Orders(sortie.mission, sortie.vehicle, sortie.level, flight.duration, Origin.TAKEOFF)
+    orders = Orders(
+        sortie.mission,
+        sortie.vehicle,
+        sortie.level,
+        flight.duration,
+        Origin.TAKEOFF,
+        auto=sortie.auto,
+        set_parameters=flight.set_parameters,
+    )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
     say(f"listening to {port.describe()} for a vehicle; Ctrl-C hands it back")
     try:

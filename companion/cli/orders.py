@@ -35,13 +35,15 @@ class Output(enum.Enum):
 
 @dataclass(frozen=True)
 class Sortie:
-    """A mission and a vehicle, read; and at which output level they fly together."""
+    """A mission and a vehicle, read; and at which output level they fly together. ``auto``: the level was not asked
+    for, so attitude may be flown in the place of rates."""
 
     mission: Mission
     vehicle: Vehicle
     level: OutputLevel
     mission_source: Source
     vehicle_source: Source
+    auto: bool = False
 
 
 class Faults:
@@ -89,7 +91,7 @@ def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, 
     faults.raise_any()
     assert mission is not None and vehicle is not None and level is not None
     assert mission_text is not None and vehicle_text is not None
-    return Sortie(mission, vehicle, level, mission_text, vehicle_text)
+    return Sortie(mission, vehicle, level, mission_text, vehicle_text, output is Output.AUTO)
 
 
 def read_bare(mission_name: str, vehicle_name: str | None, level: Level) -> tuple[Mission, Vehicle]:

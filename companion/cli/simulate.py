@@ -137,7 +137,10 @@ def _orders(simulation: Simulation) -> Orders:
     duration = simulation.duration
     if duration is None and sortie.mission.laps is None:
         duration = DEFAULT_DURATION
-    return Orders(sortie.mission, sortie.vehicle, sortie.level, duration, Origin.LOCAL)
+    # the plant is ours: what rates need may be set there
+    return Orders(
+        sortie.mission, sortie.vehicle, sortie.level, duration, Origin.LOCAL, auto=sortie.auto, set_parameters=True
+    )
 
 
 def _recorder(simulation: Simulation, epoch: float) -> Recorder:

@@ -12,11 +12,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion import pilot
+from companion.flight import output
 from companion.flight.guards import Answer, Reply
 from companion.flight.phases import Phase, Request
+from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
 from companion.mavlink import setpoints, telemetry
 from companion.mavlink.codec import Decoder
+from companion.mavlink.parameters import TUNING, Parameters
+from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.mission import Mission, Origin
 from companion.pilot import Memory, Observation, Outcome
 from companion.places.standing import Whereabouts, placed
@@ -27,7 +31,6 @@ from companion.vehicle import (
     CompanionError,
     Landed,
     Mode,
-    MotorInterface,
     OutputLevel,
     Vehicle,
     VehicleState,
@@ -47,13 +50,16 @@ IDENTITY_WITHIN = 5.0
 
 @dataclass(frozen=True)
 class Orders:
-    """What is to be flown. ``origin``: what the mission counts from where its file does not say."""
+    """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
+    be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight."""
 
     mission: Mission
     vehicle: Vehicle
     level: OutputLevel
     duration: float | None
     origin: Origin
+    auto: bool = False
+    set_parameters: bool = False
 
 
 class Tick(NamedTuple):
@@ -81,10 +87,15 @@ class Conductor:
                 wire.stream(telemetry.ODOMETRY.id, rate),
                 wire.stream(telemetry.CURRENT_MODE.id, 20.0),
                 wire.stream(telemetry.EXTENDED_SYS_STATE.id, 10.0),
+                wire.stream(telemetry.ESTIMATOR_STATUS.id, 5.0),
+                wire.stream(telemetry.BATTERY_STATUS.id, 1.0),
+                wire.request(telemetry.GPS_GLOBAL_ORIGIN.id),
+                wire.request(telemetry.HOME_POSITION.id),
             )
         )
+        self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()
-        self.decoder = Decoder(wanted=wire.WANTED | telemetry.WANTED)
+        self.decoder = Decoder(wanted=wire.WANTED | telemetry.WANTED | PARAMETERS_WANTED)
         if recorder is not None:
             self.decoder.tap = self._record
         self.plan: Plan | None = None
@@ -95,6 +106,8 @@ class Conductor:
         self.states = 0
         self._stream = stream
         self._stop = False
+        self._choice: output.Choice | None = None
+        self._changed: dict[str, float] = {}  # parameters set for the flight, and what they were
         self._heard_at: float | None = None
         self._wake_at = now
         self._pending: Tick | None = None
@@ -104,6 +117,10 @@ class Conductor:
     @property
     def done(self) -> bool:
         """Whether there is nothing left to do."""
+        return self._over and not (self._changed and not self.parameters.settled)
+
+    @property
+    def _over(self) -> bool:
         return self.refusal is not None or (self.memory is not None and self.memory.phase is Phase.DONE)
 
     def stop(self) -> None:
@@ -124,7 +141,11 @@ class Conductor:
                 if acknowledged is not None:
                     answer = self._answer(*acknowledged)
                 if self.link.of_vehicle(frame):
-                    self._heard_at = now if self._heard_at is None else self._heard_at
+                    if self._heard_at is None:
+                        self._heard_at = now
+                        if self.link.is_px4:
+                            self.parameters.ask(TUNING.values(), frame.system, now)
+                    self.parameters.receive(frame)
                     state = self.telemetry.receive(frame) or state
         for _, text in self.link.texts:
             self.notes.append(f"vehicle: {text}")
@@ -138,12 +159,13 @@ class Conductor:
         """Do what is due."""
         self._now = now
         self.link.on_timer(now)
+        self.parameters.on_timer(now)
         if now >= self._wake_at:
             self._tick(None, None, now)
 
     def next_timer(self) -> float:
         """When ``on_timer`` wants to be called."""
-        return min(self.link.next_timer(), self._wake_at)
+        return min(self.link.next_timer(), self.parameters.next_timer(), self._wake_at)
 
     def datagrams(self) -> list[bytes]:
         """What is to be sent now, the setpoint first."""
@@ -165,14 +187,16 @@ class Conductor:
             self._recorder.frame(self._now, raw)
 
     def _tick(self, state: VehicleState | None, answer: Answer | None, now: float) -> None:
-        if self.done:
+        if self._over:
             return
         self._wake_at = now + pilot.WAKE_AFTER
         if self.memory is None or self.plan is None:
             self._prepare(state, now)
+            if self._over:
+                self._restore(now)
         if self.memory is None or self.plan is None:
             return
-        seen = Observation(state, self.telemetry.status, answer, self._stop)
+        seen = Observation(state, self.telemetry.status, answer, self._stop, self.link.round_trip)
         self.memory, outcome = pilot.step(self.plan, self.memory, seen, now)
         if outcome.setpoint is not None and self.link.identity is not None:
             stamp = self.memory.state.t_boot if self.memory.state is not None else 0.0
@@ -182,6 +206,8 @@ class Conductor:
         self._wake_at = pilot.wake_at(self.memory, now)
         self.notes += outcome.notes
         self.last = self._pending = Tick(seen, self.memory, outcome, now)
+        if self._over:
+            self._restore(now)
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
         """Make the plan once the vehicle is known and has said where it is."""
@@ -196,15 +222,21 @@ class Conductor:
             return
         if self.orders.level is OutputLevel.MOTORS and identity.direct_motors is None:
             return
-        if self.telemetry.status.landed is None or self.telemetry.status.armed is None:
+        status = self.telemetry.status
+        if status.landed is None or status.armed is None or not (self.parameters.settled and self.link.is_set_up):
             return
+        tuning = self.parameters.tuning()
+        orders = self.orders
         try:
-            orders = self.orders
-            where = Whereabouts(state.p_n, self.telemetry.status.landed is Landed.ON_GROUND)
+            if self._choice is None:
+                self._choose(output.chosen(orders.level, tuning, auto=orders.auto, consent=orders.set_parameters), now)
+                if not self.parameters.settled:
+                    return
+            where = self._whereabouts(state)
             mission = placed(orders.mission, orders.origin, where)
             self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
             origin = mission.placement.origin_n
-            self.plan = prepared(mission, orders.vehicle, orders.level, origin, orders.duration)
+            self.plan = prepared(mission, orders.vehicle, self._level, origin, orders.duration, tuning)
         except CompanionError as error:
             self.refusal = str(error)
             return
@@ -212,27 +244,48 @@ class Conductor:
         if self._recorder is not None:
             self._recorder.begin(self.plan, now)
 
+    def _whereabouts(self, state: VehicleState) -> Whereabouts:
+        home, origin = self.telemetry.home, self.telemetry.origin
+        return Whereabouts(
+            state.p_n,
+            self.telemetry.status.landed is Landed.ON_GROUND,
+            None if origin is None else LocalFrame(*origin),
+            None if home is None else home[:3],
+            None if home is None else home.p_n,
+        )
+
+    @property
+    def _level(self) -> OutputLevel:
+        return self.orders.level if self._choice is None else self._choice.level
+
+    def _choose(self, choice: output.Choice, now: float) -> None:
+        """Fly at a level, with the parameters it needs."""
+        self._choice = choice
+        self.notes.append(choice.why)
+        for name, value in choice.settings:
+            was = self.parameters.value(name)
+            if was is not None:
+                self._changed[name] = was
+                self.parameters.change(name, value, now)
+
+    def _restore(self, now: float) -> None:
+        """Set back what was set for the flight."""
+        for name, was in self._changed.items():
+            self.parameters.change(name, was, now)
+            self.notes.append(f"{name} set back to {was:g}")
+
     def _refusal(self, identity: wire.Identity, now: float) -> str | None:
-        if identity.autopilot != wire.AUTOPILOT_PX4:
+        if not self.link.is_px4:
             return (
                 f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
             )
         if self.orders.level is not OutputLevel.MOTORS:
             return None
-        if self.orders.vehicle.motors is not MotorInterface.DIRECT:
-            return (
-                f"vehicle {self.orders.vehicle.name} does not take motor commands (its file says motors: px4); "
-                "fly it with --output rates or attitude"
-            )
-        if identity.direct_motors is False:
-            return (
-                "the vehicle does not take motor commands: PX4 has had no SET_ACTUATOR_CONTROL_TARGET since 1.14; "
-                "fly it with --output rates or attitude"
-            )
+        refused = output.motors_refused(self.orders.vehicle, identity.direct_motors)
         heard = self._heard_at if self._heard_at is not None else now
-        if identity.direct_motors is None and now - heard > IDENTITY_WITHIN:
+        if refused is None and identity.direct_motors is None and now - heard > IDENTITY_WITHIN:
             return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
-        return None
+        return refused
 
     def _answer(self, command: wire.Command, result: int) -> Answer | None:
         for request, known in COMMANDS.items():

@@ -47,6 +47,8 @@ RETRY_REFUSED = 1.0
 RETRY_ACCEPTED = 5.0
 """s until a command that stays wanted is sent again: unanswered, refused, accepted without effect."""
 
+SET_UP_TRIES = 10
+
 
 @dataclass(frozen=True, slots=True)
 class Command:
@@ -73,6 +75,11 @@ ARM = Command(ARM_DISARM, (1.0,))
 DISARM = Command(ARM_DISARM, (0.0,))
 AUTO_TAKE_OFF = Command(TAKE_OFF, UNUSED)
 AUTO_LAND = Command(LAND, UNUSED)
+
+
+def request(msgid: int) -> Command:
+    """Asks for a message once."""
+    return Command(REQUEST_MESSAGE, (float(msgid),))
 
 
 def stream(msgid: int, rate: float) -> Command:
@@ -128,6 +135,16 @@ class Link:
     def send(self, fmt: Format, values: tuple[Value, ...]) -> None:
         """Queue one message."""
         self.outgoing.append(self.encoder.encode(fmt, values))
+
+    @property
+    def is_set_up(self) -> bool:
+        """Whether the vehicle answered everything that is asked once, or will not."""
+        return self.identity is not None and not self._set_up
+
+    @property
+    def is_px4(self) -> bool:
+        """Whether the autopilot that answered is PX4."""
+        return self.identity is not None and self.identity.autopilot == AUTOPILOT_PX4
 
     def of_vehicle(self, frame: Frame) -> bool:
         """Whether the vehicle's autopilot sent this frame."""
@@ -188,6 +205,9 @@ class Link:
             self._command(self._set_up[0], 0)
         elif self._setting_up is not None and now >= self._setting_up.sent_at + RETRY_UNANSWERED:
             tries = self._setting_up.tries
+            if tries >= SET_UP_TRIES:
+                self._next_set_up(now)
+                return
             self._setting_up = _Pending(self._set_up[0], now, tries + 1)
             self._command(self._set_up[0], min(tries, 255))
 
@@ -207,7 +227,7 @@ class Link:
         if self.identity is None:
             self.identity = Identity(frame.system, autopilot, kind)
             self.encoder.system = frame.system
-            self._set_up = [Command(REQUEST_MESSAGE, (float(AUTOPILOT_VERSION.id),)), *self.streams]
+            self._set_up = [request(AUTOPILOT_VERSION.id), *self.streams]
             self.on_timer(now)
         elif frame.system != self.identity.system:
             self.others[frame.system] = autopilot
@@ -219,15 +239,18 @@ class Link:
         if self._setting_up is not None and command == self._setting_up.command.id:
             # the autopilot answers in order, so the answer is to the one that was sent last
             if result != 1 or self._setting_up.tries > 3:
-                self._set_up.pop(0)
-                self._setting_up = None
-                self.on_timer(now)
+                self._next_set_up(now)
             return None
         pending = self._wanted
         if pending is not None and command == pending.command.id and pending.result is None:
             pending.result = result
             return pending.command, result
         return None
+
+    def _next_set_up(self, now: float) -> None:
+        self._set_up.pop(0)
+        self._setting_up = None
+        self.on_timer(now)
 
     def _identify(self, frame: Frame) -> None:
         values = AUTOPILOT_VERSION.named(frame.values)

@@ -14,12 +14,16 @@ from companion.frames import normalised, rotation_matrix, to_world
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import mode_of
-from companion.vehicle import Landed, VehicleState, VehicleStatus
+from companion.vehicle import FrameOrigin, Home, Landed, VehicleState, VehicleStatus
 
 HEARTBEAT = message("HEARTBEAT")
 ODOMETRY = message("ODOMETRY")
 CURRENT_MODE = message("CURRENT_MODE")
 EXTENDED_SYS_STATE = message("EXTENDED_SYS_STATE")
+BATTERY_STATUS = message("BATTERY_STATUS")
+ESTIMATOR_STATUS = message("ESTIMATOR_STATUS")
+HOME_POSITION = message("HOME_POSITION")
+GPS_GLOBAL_ORIGIN = message("GPS_GLOBAL_ORIGIN")
 
 LOCAL_NED = 1
 BODY_NED_OLD = 8
@@ -30,9 +34,12 @@ STANDBY, ACTIVE, CRITICAL = 3, 4, 5
 
 @dataclass(slots=True)
 class Telemetry:
-    """What one vehicle says. ``refused``: states that could not be used, by reason."""
+    """What one vehicle says. ``home``, ``origin``: None until it has said. ``refused``: states that could not be used,
+    by reason."""
 
     status: VehicleStatus = field(default_factory=VehicleStatus)
+    home: Home | None = None
+    origin: FrameOrigin | None = None
     refused: dict[str, int] = field(default_factory=dict)
 
     def receive(self, frame: Frame) -> VehicleState | None:
@@ -61,6 +68,23 @@ class Telemetry:
         landed = frame.values[1]
         known = landed in range(len(Landed))
         self.status = self.status._replace(landed=Landed(landed) if known else Landed.UNDEFINED)
+
+    def _battery(self, frame: Frame) -> None:
+        remaining = frame.values[17]
+        if frame.values[14] == 0 and 0 <= remaining <= 100:  # the first battery; -1 is not known
+            self.status = self.status._replace(battery=0.01 * remaining)
+
+    def _estimator(self, frame: Frame) -> None:
+        self.status = self.status._replace(estimator=frame.values[9])
+
+    def _home(self, frame: Frame) -> None:
+        latitude, longitude, altitude, x, y, z = frame.values[:6]
+        if math.isfinite(x + y + z):
+            self.home = Home(latitude * 1e-7, longitude * 1e-7, altitude * 1e-3, (x, y, z))
+
+    def _global_origin(self, frame: Frame) -> None:
+        latitude, longitude, altitude = frame.values[:3]
+        self.origin = FrameOrigin(latitude * 1e-7, longitude * 1e-7, altitude * 1e-3)
 
     def _odometry(self, frame: Frame) -> VehicleState | None:
         (time_usec, x, y, z, qw, qx, qy, qz, vx, vy, vz, p, q, r) = frame.values[:14]
@@ -92,6 +116,10 @@ _READERS: dict[int, Callable[[Telemetry, Frame], VehicleState | None]] = {
     CURRENT_MODE.id: Telemetry._current_mode,
     EXTENDED_SYS_STATE.id: Telemetry._extended_state,
     ODOMETRY.id: Telemetry._odometry,
+    BATTERY_STATUS.id: Telemetry._battery,
+    ESTIMATOR_STATUS.id: Telemetry._estimator,
+    HOME_POSITION.id: Telemetry._home,
+    GPS_GLOBAL_ORIGIN.id: Telemetry._global_origin,
 }
 WANTED = frozenset(_READERS)
 """The messages telemetry reads."""

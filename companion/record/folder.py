@@ -71,6 +71,7 @@ class Recorder:
             "motors": plan.vehicle.motors.value,
             "origin_n": list(plan.mission.placement.origin_n),
             "duration_s": plan.duration,
+            "tuning": plan.tuning._asdict(),
             "begun_at": now,
             "epoch": self.epoch,
             "path_length_m": plan.table.length,

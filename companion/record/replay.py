@@ -16,7 +16,7 @@ from companion.config.vehicle import vehicle_from
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
 from companion.record.table import Table, load_table
-from companion.vehicle import MotorInterface, OutputLevel
+from companion.vehicle import MotorInterface, OutputLevel, Tuning
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,7 @@ def load_flight(directory: Path) -> Recorded:
         level = OutputLevel(resolved["output"])
         x, y, z = resolved["origin_n"]
         begun_at = float(resolved["begun_at"])
+        tuning = Tuning(**resolved["tuning"])
         mission = _document(directory / "mission.yaml")
         vehicle = _document(directory / "vehicle.yaml")
         table = load_table(directory / "flight.npy")
@@ -57,7 +58,7 @@ def load_flight(directory: Path) -> Recorded:
         message = f"not a readable flight folder: {error}"
         raise ConfigError([Fault(str(directory), 1, "", message)]) from None
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
-    plan = prepared(mission_from(mission, law_level(level)), machine, level, (x, y, z), resolved["duration_s"])
+    plan = prepared(mission_from(mission, law_level(level)), machine, level, (x, y, z), resolved["duration_s"], tuning)
     return Recorded(plan, table, truth, begun_at)
 
 

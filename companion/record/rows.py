@@ -39,9 +39,12 @@ SEEN = (
     Column("landed", "b", "index of vehicle.Landed, -1 not said"),
     Column("ready", "b", "1 would accept arming, 0 not, -1 not said"),
     Column("failsafe", "b", "1 in a failsafe, 0 not, -1 not said"),
+    Column("battery", "d", "what remains, 0..1, nan not said"),
+    Column("estimator", "i", "flags of ESTIMATOR_STATUS, -1 not said"),
     Column("answer_to", "b", "index of phases.Request that was answered, -1 none"),
     Column("answer", "b", "index of guards.Reply, -1 none"),
     Column("stop", "b", "1: told to stop"),
+    Column("link_delay", "d", "s, round trip of a message, nan not measured"),
 )
 
 DONE = (
@@ -100,6 +103,14 @@ def _unflag(value: int) -> bool | None:
     return None if value == NONE else bool(value)
 
 
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _unnumber(value: float) -> float | None:
+    return None if math.isnan(value) else float(value)
+
+
 _NO_STATE = (0, *(math.nan,) * 14, NONE)
 _NOT_SENT = (math.nan,) * 5
 
@@ -120,9 +131,12 @@ def seen_part(observation: Observation, now: float) -> Row:
         _index(status.landed),
         _flag(status.ready),
         _flag(status.failsafe),
+        _number(status.battery),
+        NONE if status.estimator is None else status.estimator,
         NONE if answer is None else _index(answer.request),
         NONE if answer is None else _index(answer.reply),
         int(observation.stop),
+        _number(observation.link_delay),
     )
 
 
@@ -191,7 +205,10 @@ def seen_again(row: Any) -> tuple[Observation, float]:
         landed=_member(Landed, row["landed"]),
         ready=_unflag(row["ready"]),
         failsafe=_unflag(row["failsafe"]),
+        battery=_unnumber(row["battery"]),
+        estimator=None if row["estimator"] == NONE else int(row["estimator"]),
     )
     request, reply = _member(Request, row["answer_to"]), _member(Reply, row["answer"])
     answer = None if request is None or reply is None else Answer(request, reply)
-    return Observation(state, status, answer, bool(row["stop"])), float(row["now"])
+    delay = _unnumber(row["link_delay"])
+    return Observation(state, status, answer, bool(row["stop"]), delay), float(row["now"])
