@@ -83,8 +83,8 @@ class Bridge:
             Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot))
             for rates in (ONBOARD, GROUND_STATION)[:endpoints]
         ]
-        self._delay_up_us = round(world.link.delay_up * 1e6)
-        self._delay_down_us = round(world.link.delay_down * 1e6)
+        self._delay_up_us = round(world.link.up.delay * 1e6)
+        self._delay_down_us = round(world.link.down.delay * 1e6)
         self._arriving: deque[tuple[int, int, bytes]] = deque()
         self._leaving: deque[tuple[int, int, bytes]] = deque()
         self.log: list[str] = []

@@ -9,7 +9,7 @@ import pytest
 from companion.frames import quaternion_from_euler
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
-from companion.world import Home, Link, Start, World
+from companion.world import Home, Link, Start, Way, World
 from tests.plant_client import (
     ACCEPTED,
     DENIED,
@@ -264,7 +264,7 @@ def test_texts_go_only_where_a_ground_station_was_heard_and_in_pieces() -> None:
 
 
 def test_a_link_with_delay_delivers_late_in_order() -> None:
-    client = Client("sih", World(link=Link(delay_down=0.02, delay_up=0.012)), endpoints=1)
+    client = Client("sih", World(link=Link(Way(0.02), Way(0.012))), endpoints=1)
     client.run(0.1)
     sent = client.bridge.now
     client.send("COMMAND_LONG", command=31000)

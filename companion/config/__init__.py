@@ -5,6 +5,6 @@ document    YAML -> plain data that remembers its lines
 schema      plain data -> a pydantic model, or every fault at once
 places      names in configs/ -> files
 vehicle     vehicle files
-world       world files
+world       world files (keys: world_keys, event_keys)
 mission     mission files
 """

@@ -53,7 +53,7 @@ def _shown(value: Any) -> str:
 
 
 def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) -> Fault:
-    key = _key_in(document, details["loc"])
+    key = _key_in(document, details["loc"], details["type"] == "missing")
     expected = _description(model, details["loc"])
     given = _shown(details["input"])
     context = details.get("ctx", {})
@@ -117,14 +117,14 @@ def _also(expected: str) -> str:
     return f": {expected}" if expected else ""
 
 
-def _key_in(document: Document, loc: tuple[str | int, ...]) -> Key:
+def _key_in(document: Document, loc: tuple[str | int, ...], missing: bool) -> Key:
     """The part of pydantic's location that is keys of the file; pydantic also puts union branches in it."""
     key: Key = ()
     for part in loc:
         if (*key, part) in document.lines:
             key = (*key, part)
-        elif part == loc[-1] and isinstance(part, str) and isinstance(_at(document.data, key), dict):
-            key = (*key, part)  # a missing key
+        elif missing and part == loc[-1] and isinstance(part, str) and isinstance(_at(document.data, key), dict):
+            key = (*key, part)
     return key
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Annotated
 
 from pydantic import Field, field_validator
@@ -9,73 +11,23 @@ from pydantic import Field, field_validator
 from companion.config.document import Document, parse
 from companion.config.places import find, read
 from companion.config.schema import Strict, validate
-from companion.frames import normalised
-from companion.world import Deviations, Home, Link, Start, World
+from companion.config.world_keys import (
+    BatteryModel,
+    EstimateModel,
+    GustsModel,
+    TruthModel,
+    WayModel,
+    WorldModel,
+)
+from companion.frames import Vec3, normalised
+from companion.world import Home, Start, World
+from companion.world.air import DrydenGusts, Gusts
+from companion.world.estimate import Drift, Errors, Noise
+from companion.world.link import Link, Way
+from companion.world.machine import Battery, Deviations, RotorDynamics
 
-Speed = Annotated[float, Field(ge=-50.0, le=50.0)]
-Delay = Annotated[float, Field(ge=0.0, le=2.0)]
+COULOMB_PER_MAH = 3.6
 Three = Annotated[list[Annotated[float, Field(ge=-1e6, le=1e6)]], Field(min_length=3, max_length=3)]
-
-
-class HomeModel(Strict):
-    """Where the local frame's origin lies."""
-
-    latitude_deg: Annotated[float, Field(ge=-89.0, le=89.0)]
-    """the latitude, in degrees"""
-    longitude_deg: Annotated[float, Field(ge=-180.0, le=180.0)]
-    """the longitude, in degrees"""
-    altitude_m: Annotated[float, Field(ge=-500.0, le=9000.0)]
-    """the altitude above mean sea level, in m"""
-
-
-class LinkModel(Strict):
-    """The connection between vehicle and companion."""
-
-    delay_down_s: Delay = 0.0
-    """the delay from vehicle to companion, in s"""
-    delay_up_s: Delay = 0.0
-    """the delay from companion to vehicle, in s"""
-
-
-class TruthModel(Strict):
-    """The machine as it really is, where it differs from its vehicle file."""
-
-    mass_kg: Annotated[float, Field(gt=0.0, le=500.0)] | None = None
-    """the true mass, in kg"""
-    inertia_kgm2: (
-        Annotated[list[Annotated[float, Field(gt=0.0, le=1000.0)]], Field(min_length=3, max_length=3)] | None
-    ) = None
-    """the true moments of inertia [roll, pitch, yaw], in kg m^2"""
-    motor_lag_s: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
-    """the true time constant of a motor's thrust, in s"""
-    drag_per_s: Annotated[float, Field(ge=0.0, le=5.0)] | None = None
-    """the true linear drag over mass, in 1/s"""
-    thrust_scale: Annotated[float, Field(gt=0.1, le=3.0)] = 1.0
-    """the true thrust of a command over the vehicle file's"""
-    angular_drag_nms: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
-    """the torque against the body rates, in N m per rad/s"""
-
-    @field_validator("inertia_kgm2")
-    @classmethod
-    def _of_a_rigid_body(cls, inertia: list[float] | None) -> list[float] | None:
-        if inertia is not None and 2.0 * max(inertia) > sum(inertia) * (1.0 + 1e-9):
-            raise ValueError(f"{inertia} is no rigid body's; expected each moment to be at most the sum of the others")
-        return inertia
-
-
-class WorldModel(Strict):
-    """A world file."""
-
-    name: str
-    """the world's name"""
-    wind_mps: Annotated[list[Speed], Field(min_length=3, max_length=3)] = Field(default_factory=lambda: [0.0, 0.0, 0.0])
-    """the velocity of the air over the ground [north, east, down], in m/s"""
-    home: HomeModel | None = None
-    """where the local frame's origin lies (latitude_deg, longitude_deg, altitude_m); default the home of PX4's SIH"""
-    link: LinkModel = Field(default_factory=LinkModel)
-    """the connection between vehicle and companion (delay_down_s, delay_up_s)"""
-    truth: TruthModel = Field(default_factory=TruthModel)
-    """the machine as it really is, where it differs from its vehicle file (mass_kg, drag_per_s, ...)"""
 
 
 class StartModel(Strict):
@@ -120,23 +72,72 @@ def load_world(name: str) -> World:
 def world_from(document: Document) -> World:
     """The world a document describes. ConfigError with every fault."""
     model = validate(document, WorldModel)
-    north, east, down = model.wind_mps
-    home, truth = model.home, model.truth
-    inertia = None
-    if truth.inertia_kgm2 is not None:
-        x, y, z = truth.inertia_kgm2
-        inertia = (x, y, z)
+    home = model.home
     return World(
         name=model.name,
-        wind_n=(north, east, down),
+        wind_n=_vector(model.wind_mps),
+        gusts=None if model.gusts is None else _gusts(model.gusts),
         home=Home() if home is None else Home(home.latitude_deg, home.longitude_deg, home.altitude_m),
-        link=Link(model.link.delay_down_s, model.link.delay_up_s),
-        truth=Deviations(
-            mass=truth.mass_kg,
-            inertia=inertia,
-            motor_lag=truth.motor_lag_s,
-            drag=truth.drag_per_s,
-            thrust_scale=truth.thrust_scale,
-            angular_drag=truth.angular_drag_nms,
-        ),
+        link=Link(_way(model.link.down), _way(model.link.up)),
+        truth=_truth(model.truth),
+        battery=None if model.battery is None else _battery(model.battery),
+        estimate=_estimate(model.estimate),
+        events=tuple(each.event() for each in model.events),
+    )
+
+
+def _vector(three: Sequence[float], unit: float = 1.0) -> Vec3:
+    x, y, z = three
+    return (x * unit, y * unit, z * unit)
+
+
+def _gusts(model: GustsModel) -> Gusts | DrydenGusts:
+    if model.wind_at_6m_mps is not None:
+        return DrydenGusts(model.wind_at_6m_mps)
+    assert model.sigma_mps is not None and model.length_m is not None
+    return Gusts(_vector(model.sigma_mps), _vector(model.length_m))
+
+
+def _way(model: WayModel) -> Way:
+    return Way(model.delay_s, model.jitter_s, model.loss, model.duplicated, model.reordered)
+
+
+def _truth(model: TruthModel) -> Deviations:
+    rotors = model.rotors
+    return Deviations(
+        mass=model.mass_kg,
+        inertia=None if model.inertia_kgm2 is None else _vector(model.inertia_kgm2),
+        motor_lag=model.motor_lag_s,
+        drag=model.drag_per_s,
+        thrust_scale=model.thrust_scale,
+        angular_drag=model.angular_drag_nms,
+        rotor_drag=model.rotor_drag_per_s,
+        quadratic_drag=model.quadratic_drag_per_m,
+        rotors=None if rotors is None else RotorDynamics(rotors.inertia_kgm2, rotors.thrust_factor),
+    )
+
+
+def _battery(model: BatteryModel) -> Battery:
+    return Battery(
+        capacity=model.capacity_mah * COULOMB_PER_MAH,
+        resistance=model.resistance_ohm,
+        full_current=model.full_current_a,
+        idle_current=model.idle_current_a,
+        charge=model.charge,
+        full=model.full_v,
+        empty=model.empty_v,
+    )
+
+
+def _estimate(model: EstimateModel) -> Errors:
+    position, velocity, attitude, gyro, drift = (
+        model.position, model.velocity, model.attitude, model.gyro, model.drift
+    )  # fmt: skip
+    degree = math.radians(1.0)
+    return Errors(
+        position=Noise(_vector(position.white_m), _vector(position.wander_m), position.wander_s),
+        velocity=Noise(_vector(velocity.white_mps), _vector(velocity.wander_mps), velocity.wander_s),
+        attitude=Noise(_vector(attitude.white_deg, degree), _vector(attitude.wander_deg, degree), attitude.wander_s),
+        gyro=Noise(_vector(gyro.white_dps, degree), _vector(gyro.wander_dps, degree), gyro.wander_s),
+        drift=Drift(_vector(drift.speed_mps), drift.time_s),
     )

@@ -1,4 +1,8 @@
-"""The nouns of a simulated world: air, link, home, and where the true machine differs from its vehicle file.
+"""A simulated world: air, machine, estimate, link, and what happens in it.
+
+    air         gusts                                machine   where the true machine differs from its vehicle file
+    estimate    how wrong the vehicle's state is     link      what becomes of datagrams
+    events      pushes, failures, resets: what happens at a time
 
 SI units and radians; world frame NED (``_n``). The figures of a vehicle file are what the companion believes; a World
 says what is true where that differs. ``Start`` says how a vehicle comes up in the air.
@@ -9,6 +13,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from companion.frames import Quaternion, Vec3, quaternion_from_euler
+from companion.world.air import DrydenGusts, Gusts
+from companion.world.estimate import Errors
+from companion.world.events import Event
+from companion.world.link import Link, Way
+from companion.world.machine import Battery, Deviations
+
+__all__ = ["Battery", "Deviations", "Errors", "Event", "Home", "Link", "Start", "Way", "World"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,40 +32,21 @@ class Home:
 
 
 @dataclass(frozen=True, slots=True)
-class Link:
-    """The radio or cable between vehicle and companion: the delay each way, s."""
-
-    delay_down: float = 0.0
-    """vehicle to companion"""
-    delay_up: float = 0.0
-    """companion to vehicle"""
-
-
-@dataclass(frozen=True, slots=True)
-class Deviations:
-    """The machine as it really is, where it differs from its vehicle file. None: as the file says.
-
-    ``mass`` kg, ``inertia`` kg m^2, ``motor_lag`` s, ``drag`` 1/s, ``thrust_scale`` true over stated thrust,
-    ``angular_drag`` N m s (torque against the body rates, which vehicle files do not know).
-    """
-
-    mass: float | None = None
-    inertia: Vec3 | None = None
-    motor_lag: float | None = None
-    drag: float | None = None
-    thrust_scale: float = 1.0
-    angular_drag: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
 class World:
-    """A world. ``wind_n``: the velocity of the air over the ground, m/s."""
+    """A world. ``wind_n``: the mean velocity of the air over the ground, m/s; ``gusts`` come on top of it.
+
+    ``battery`` None: it never sags. ``events`` in any order.
+    """
 
     name: str = "ideal"
     wind_n: Vec3 = (0.0, 0.0, 0.0)
+    gusts: Gusts | DrydenGusts | None = None
     home: Home = field(default_factory=Home)
     link: Link = field(default_factory=Link)
     truth: Deviations = field(default_factory=Deviations)
+    battery: Battery | None = None
+    estimate: Errors = field(default_factory=Errors)
+    events: tuple[Event, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

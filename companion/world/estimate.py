@@ -1,0 +1,52 @@
+"""How the vehicle's idea of its state differs from the truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from companion.frames import Vec3
+
+NONE: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """An error of three axes: ``white`` is new at every step, ``wander`` is a first-order Gauss-Markov process with
+    the time constant ``wander_time`` (s). Both are standard deviations."""
+
+    white: Vec3 = NONE
+    wander: Vec3 = NONE
+    wander_time: float = 1.0
+
+    def __bool__(self) -> bool:
+        return any(self.white) or any(self.wander)
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """A smooth wander of the position that the velocity does not show, as corrections by GPS leave it in PX4's
+    output: the velocity is then not quite the derivative of the position.
+
+    ``speed``: standard deviation of the difference, m/s; ``time``: s. The position's own is speed times time.
+    """
+
+    speed: Vec3 = NONE
+    time: float = 1.0
+
+    def __bool__(self) -> bool:
+        return any(self.speed)
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Everything that is wrong with an estimate: position m, velocity m/s (NED), attitude rad (a small turn about the
+    body's axes), gyro rad/s."""
+
+    position: Noise = field(default_factory=Noise)
+    velocity: Noise = field(default_factory=Noise)
+    attitude: Noise = field(default_factory=Noise)
+    gyro: Noise = field(default_factory=Noise)
+    drift: Drift = field(default_factory=Drift)
+
+    def __bool__(self) -> bool:
+        return any(map(bool, (self.position, self.velocity, self.attitude, self.gyro, self.drift)))
