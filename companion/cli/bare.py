@@ -57,15 +57,29 @@ class _Curve:
         return None if self._table is None else self._table.locate(p_n)[0]
 
 
+def _chi(line: str) -> list[int | float] | None:
+    """The numbers of a line; None where it is no state."""
+    try:
+        told = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    chi = told.get("chi") if isinstance(told, dict) else None
+    if not isinstance(chi, list):
+        return None
+    return chi if all(isinstance(value, int | float) and not isinstance(value, bool) for value in chi) else None
+
+
 def _answer(
     line: str, level: Level, law: Callable[[list[float]], Answer], allocation: Allocation, curve: _Curve
 ) -> dict[str, Any]:
     names = state_names(level)
-    try:
-        chi = json.loads(line)["chi"]
-        state = [float(value) for value in chi]
-    except (ValueError, TypeError, KeyError):
+    chi = _chi(line)
+    if chi is None:
         return {"error": f'not a state: expected {{"chi": [{", ".join(names)}]}}'}
+    try:
+        state = [float(value) for value in chi]
+    except OverflowError:
+        return {"error": "a number that is not finite"}
     if len(state) != len(names):
         return {"error": f"{len(state)} numbers; expected {len(names)}: {', '.join(names)}"}
     if not all(map(math.isfinite, state)):

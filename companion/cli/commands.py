@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import enum
 import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from companion.cli.orders import Output
+from companion.cli.output import LawOutput, Output
 from companion.vehicle import CompanionError
 
 app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     help="Fly a path, not a timetable: path following for PX4 quadrotors.",
 )
-
-
-class LawOutput(enum.Enum):
-    """``law --output``."""
-
-    MOTORS = "motors"
-    RATES = "rates"
 
 
 MissionName = Annotated[str, typer.Argument(metavar="MISSION", help="A mission file, or a name in configs/missions.")]
@@ -36,6 +29,23 @@ Json = Annotated[bool, typer.Option("--json", help="stdout is one JSON document;
 Record = Annotated[Path | None, typer.Option("--record", help="The flight folder. [default: flights/DATE-TIME-NAME]")]
 Settle = Annotated[float, typer.Option("--settle", min=0.0, help="s of following after which the flight is settled.")]
 Duration = Annotated[float | None, typer.Option("--duration", min=0.1, help="s of following.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"companion {version('companion')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", "-V", callback=_print_version, is_eager=True, help="Print it and exit.")
+    ] = False,
+) -> None:
+    """What every command takes."""
 
 
 @app.command()
@@ -195,3 +205,5 @@ def main() -> None:
         sys.exit(2)
     except BrokenPipeError:
         sys.exit(1)
+    except KeyboardInterrupt:  # before or after a flight: while one goes on, the flight itself is asked to end
+        sys.exit(130)

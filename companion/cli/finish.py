@@ -46,6 +46,7 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bo
     truth = load_table(directory / "truth.npy") if (directory / "truth.npy").is_file() else None
     outcome = "completed" if done else "aborted"
     figures = summary(plan, table, truth, ending.settle, outcome, reason, str(directory))
+    figures["notes"] += _of_the_link(conductor)
     write_json(directory / "summary.json", figures)
     if ending.report:
         from companion.record.report import write_report
@@ -56,6 +57,18 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bo
     else:
         print(_text(figures))
     return COMPLETED if done else INTERRUPTED if stopped else FAILED
+
+
+def _of_the_link(conductor: Conductor) -> list[str]:
+    """What came in and was no use, in words."""
+    counters, notes = conductor.decoder.counters, []
+    if counters.garbage_bytes or counters.bad_crc:
+        notes.append(
+            f"the link brought {counters.garbage_bytes} bytes that were no message and {counters.bad_crc} damaged "
+            f"messages, beside {counters.frames + counters.unknown} good ones; they were skipped"
+        )
+    refused = conductor.telemetry.refused.items()
+    return notes + [f"{count} states of the vehicle were not used: {reason}" for reason, count in refused]
 
 
 def _print_refusal(reason: str, ending: Ending) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-import enum
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
+from companion.cli.output import Output
 from companion.config.document import parse
 from companion.config.faults import ConfigError, Fault
 from companion.config.mission import bare_mission_from, mission_from
@@ -22,15 +22,6 @@ from companion.vehicle import MotorInterface, OutputLevel, Vehicle
 
 DEFAULT_VEHICLE = "x500"
 T = TypeVar("T")
-
-
-class Output(enum.Enum):
-    """``--output``."""
-
-    AUTO = "auto"
-    MOTORS = "motors"
-    RATES = "rates"
-    ATTITUDE = "attitude"
 
 
 @dataclass(frozen=True)

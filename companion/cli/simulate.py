@@ -16,6 +16,7 @@ from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.progress import Watch
+from companion.daemon.signals import ending_signals
 from companion.frames import quaternion_from_euler
 from companion.mission import Mission, Origin
 from companion.record.folder import Recorder
@@ -86,8 +87,9 @@ def in_lockstep(simulation: Simulation) -> int:
             if line is not None:
                 say(f"{bridge.now:8.2f} s  {line}")
 
-        fly(conductor, bridge, watch, OVERHEAD + (simulation.duration or 3600.0))
-    return finish(conductor, recorder, simulation.ending, False)
+        with ending_signals(conductor.stop) as stopped:
+            fly(conductor, bridge, watch, OVERHEAD + (simulation.duration or 3600.0))
+    return finish(conductor, recorder, simulation.ending, bool(stopped))
 
 
 def over_udp(simulation: Simulation) -> int:
@@ -114,7 +116,8 @@ def over_udp(simulation: Simulation) -> int:
         }
         command += ["--start", json.dumps(told)]
     conductor = Conductor(_orders(simulation), recorder, clock())
-    plant = subprocess.Popen(command)
+    # a session of its own: Ctrl-C must not take the vehicle away before it has been handed back
+    plant = subprocess.Popen(command, start_new_session=True)
     try:
         stopped = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
     except NoVehicleError as error:

@@ -6,16 +6,15 @@ What does not feed the setpoint (files, the screen) is done by a second thread t
 from __future__ import annotations
 
 import gc
-import signal
 import sys
 import threading
 import time
 from collections.abc import Callable
-from types import FrameType
 
 from companion.daemon.address import Port
 from companion.daemon.conductor import Conductor
 from companion.daemon.progress import Watch
+from companion.daemon.signals import ending_signals
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
 
@@ -37,17 +36,10 @@ def clock() -> float:
 def run(
     conductor: Conductor, port: Port, recorder: Recorder | None, say: Callable[[str], None], wait_for_vehicle: float
 ) -> bool:
-    """Fly until the conductor is done. True where SIGINT or SIGTERM asked for the end.
+    """Fly until the conductor is done. True where a signal asked for the end.
 
     ``say`` takes lines for a person. NoVehicleError: none within ``wait_for_vehicle`` s.
     """
-    stopped: list[int] = []
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        stopped.append(number)
-        conductor.stop()
-
-    handlers = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     interval = sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_INTERVAL)
     gc.collect()
@@ -55,13 +47,12 @@ def run(
     scribe = _Scribe(conductor, recorder, say)
     scribe.start()
     try:
-        _fly(conductor, port, wait_for_vehicle)
+        with ending_signals(conductor.stop) as stopped:
+            _fly(conductor, port, wait_for_vehicle)
     finally:
         scribe.finish()
         gc.unfreeze()
         sys.setswitchinterval(interval)
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
     return bool(stopped)
 
 

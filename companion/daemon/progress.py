@@ -8,8 +8,8 @@ from companion.daemon.conductor import Conductor, Tick
 from companion.pilot import tilt_of, yaw_error
 
 
-def line(tick: Tick, rate: float) -> str:
-    """Time of following, path error, speed, yaw error, tilt, loop rate."""
+def line(tick: Tick, rate: float, garbage: int = 0) -> str:
+    """Time of following, path error, speed, yaw error, tilt, loop rate; bytes that were no message, if there were."""
     memory, steered = tick.memory, tick.outcome.steered
     parts = [f"{memory.phase.value:<10}"]
     if memory.follow_from is not None and memory.state is not None:
@@ -22,6 +22,8 @@ def line(tick: Tick, rate: float) -> str:
     if memory.state is not None:
         parts.append(f"tilt {math.degrees(tilt_of(memory.state)):4.1f} deg")
     parts.append(f"{rate:.0f} Hz")
+    if garbage:
+        parts.append(f"{garbage} bytes of garbage")
     return "  ".join(parts)
 
 
@@ -35,13 +37,15 @@ class Watch:
 
     def look(self, conductor: Conductor, now: float) -> str | None:
         """The line that is due, or None."""
+        tick = conductor.last
+        if tick is None:
+            return None
         if self._shown_at is None:
             self._shown_at, self._states = now, conductor.states
             return None
         passed = now - self._shown_at
-        tick = conductor.last
-        if passed < self._period or tick is None:
+        if passed < self._period:
             return None
         rate = (conductor.states - self._states) / passed
         self._shown_at, self._states = now, conductor.states
-        return line(tick, rate)
+        return line(tick, rate, conductor.decoder.counters.garbage_bytes)

@@ -9,7 +9,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from companion.frames import Vec3
 from companion.paths.curve import Curve, Shape
@@ -23,6 +22,8 @@ one, 0.5 bends sharply there."""
 
 def spline(points: Sequence[Vec3], closed: bool) -> Curve:
     """The spline through ``points`` (m), three at least where closed, two where open. ValueError: two are one."""
+    from scipy.interpolate import make_interp_spline  # takes longer to import than all the rest of a command
+
     p = np.array(points, dtype=float)
     if len(p) == 2 and not closed:
         return line(points[0], points[1])

@@ -1,0 +1,21 @@
+"""The choices of the command line, in a file that is read at once."""
+
+from __future__ import annotations
+
+import enum
+
+
+class Output(enum.Enum):
+    """``--output``."""
+
+    AUTO = "auto"
+    MOTORS = "motors"
+    RATES = "rates"
+    ATTITUDE = "attitude"
+
+
+class LawOutput(enum.Enum):
+    """``law --output``."""
+
+    MOTORS = "motors"
+    RATES = "rates"
