@@ -12,6 +12,7 @@ from companion.cli.simulate import start_of
 from companion.config.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.conductor import Conductor, Orders
+from companion.feasibility.fastest import flyable
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Value, message
 from companion.mission import Origin
@@ -96,7 +97,7 @@ def flight(
     machine = load_vehicle(vehicle)
     if level is OutputLevel.MOTORS:
         machine = dataclasses.replace(machine, motors=MotorInterface.DIRECT)
-    read = load_mission(mission, law_level(level))
+    read = flyable(load_mission(mission, law_level(level)), machine)
     bridge = Bridge(
         machine, world or World(), seed=seed, direct=level is OutputLevel.MOTORS,
         start=None if from_ground else start_of(read), landed=from_ground,

@@ -31,7 +31,7 @@ MAY_IMPORT: dict[str, str] = {
     "pilot": "frames vehicle law paths steering flight plan",
     "mavlink": "frames vehicle",
     "config": "frames fence geodesy calculus vehicle world paths profiles law mission",
-    "record": "frames vehicle world paths law mission plan flight pilot mavlink config",
+    "record": "frames vehicle world paths law mission feasibility plan flight pilot mavlink config",
     "daemon": "frames geodesy vehicle flight mission places plan pilot mavlink record",
     "cli": "*",
 }

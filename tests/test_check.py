@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from pathlib import Path
@@ -16,6 +17,7 @@ from companion.config.places import names
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.report import NAMES, Report, check
 from companion.feasibility.words import in_words
+from companion.fence import Fence, Polygon
 from companion.mission import Mission
 from companion.vehicle import Vehicle
 
@@ -203,3 +205,29 @@ def test_a_picture(
     plot = tmp_path / f"circle.{suffix}"
     assert run(capsys, monkeypatch, "circle", "--plot", str(plot))[0] == 0
     assert plot.stat().st_size > 5000
+
+
+def test_a_fence_is_kept_with_room() -> None:
+    mission = circle(r=6.0)
+    for half, feasible in ((6.6, True), (6.4, False), (5.0, False)):
+        square = Polygon(((-half, -half), (half, -half), (half, half), (-half, half)))
+        report = check(dataclasses.replace(mission, fence=Fence((square,))), X500)
+        assert report.feasible is feasible
+        assert worst(report, "fence_m") == pytest.approx(half - 6.0, abs=1e-4)
+        assert ("leaves the fence by 1.0 m" in in_words(report)) is (half == 5.0)
+
+
+def test_fly_refuses_what_cannot_be_flown_before_anything_is_opened(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    fast = tmp_path / "fast.yaml"
+    fast.write_text(GOOD.format(speed=9.0, r=6.0, yaw=0.0, z=12.0, frame="enu"))
+    words = ["companion", "fly", str(fast), "--connect", "udpin://127.0.0.1:0", "--record", str(tmp_path / "flight")]
+    monkeypatch.setattr("sys.argv", words)
+    with pytest.raises(SystemExit) as left:
+        main()
+    out, _ = capsys.readouterr()
+    assert left.value.code == 1
+    assert "not flown: circle on x500: cannot be flown like this. " in out
+    assert "--accept-infeasible" in out
+    assert not (tmp_path / "flight").exists()

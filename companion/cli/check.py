@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 
 from companion.cli.finish import say
-from companion.cli.orders import Output, read_sortie
+from companion.cli.orders import Output, Sortie, read_sortie
 from companion.config.faults import ConfigError, Fault
 from companion.feasibility import report as feasibility
 from companion.feasibility.document import as_document
+from companion.feasibility.report import Report
 from companion.feasibility.words import headline, in_words
+from companion.mission import Origin
+from companion.places.words import place_words
 
 FEASIBLE, NOT_FEASIBLE = 0, 1
 PICTURES = (".png", ".svg", ".pdf")
@@ -20,16 +24,15 @@ def check(mission: str, vehicle: str | None, *, as_json: bool, plot: Path | None
     """Look at a mission and say what would happen; the exit code. ConfigError: it cannot be looked at."""
     if plot is not None:
         _plottable(plot)
-    sortie = read_sortie(mission, vehicle, Output.AUTO)
-    try:
-        found = feasibility.check(sortie.mission, sortie.vehicle)
-    except (ValueError, ArithmeticError) as error:
-        raise ConfigError([Fault(sortie.mission_source.name, 1, "path", str(error))]) from None
+    sortie, found = looked_at(read_sortie(mission, vehicle, Output.AUTO))
+    places = place_words(sortie.mission, Origin.TAKEOFF)
     if as_json:
-        print(json.dumps(as_document(found), indent=2))
+        print(json.dumps(as_document(found, places.lines, places.warnings), indent=2))
         say(headline(found))
+        for warning in places.warnings:
+            say(f"warning: {warning}")
     else:
-        print(in_words(found))
+        print(in_words(found, places.lines, places.warnings))
     if plot is not None:
         from companion.feasibility.picture import picture
 
@@ -39,6 +42,16 @@ def check(mission: str, vehicle: str | None, *, as_json: bool, plot: Path | None
             raise ConfigError([Fault(str(plot), 0, "", f"cannot be written: {error.strerror}")]) from None
         say(f"picture: {plot}")
     return FEASIBLE if found.feasible else NOT_FEASIBLE
+
+
+def looked_at(sortie: Sortie) -> tuple[Sortie, Report]:
+    """What the mission asks of the vehicle; and the sortie with its speed known, where that was ``auto``. ConfigError:
+    it cannot be looked at."""
+    try:
+        found = feasibility.check(sortie.mission, sortie.vehicle)
+    except (ValueError, ArithmeticError) as error:
+        raise ConfigError([Fault(sortie.mission_source.name, 1, "path", str(error))]) from None
+    return dataclasses.replace(sortie, mission=found.mission), found
 
 
 def _plottable(plot: Path) -> None:

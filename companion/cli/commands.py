@@ -76,10 +76,12 @@ def sim(
     json: Json = False,
 ) -> None:
     """Fly a mission in simulation."""
-    from companion.cli.finish import Ending
+    from companion.cli.check import looked_at
+    from companion.cli.finish import Ending, say
     from companion.cli.orders import Faults, read_sortie
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
     from companion.config.world import load_world
+    from companion.feasibility.words import headline
     from companion.record.folder import new_directory
 
     faults = Faults()
@@ -87,6 +89,9 @@ def sim(
     surroundings = faults.collect(lambda: load_world(world))
     faults.raise_any()
     assert sortie is not None and surroundings is not None
+    sortie, found = looked_at(sortie)
+    if not found.feasible:
+        say(f"warning: {headline(found)}")
     simulation = Simulation(
         sortie=sortie,
         world=surroundings,
@@ -112,14 +117,19 @@ def fly(
     duration: Duration = None,
     settle: Settle = 10.0,
     record: Record = None,
+    accept_infeasible: Annotated[
+        bool, typer.Option("--accept-infeasible", help="Fly even what `check` says this vehicle cannot.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
-    from companion.cli.finish import Ending
+    from companion.cli.check import looked_at
+    from companion.cli.finish import Ending, refuse, say
     from companion.cli.flying import Flight
     from companion.cli.flying import fly as fly_now
     from companion.cli.orders import Faults, read_sortie
     from companion.daemon.address import parsed
+    from companion.feasibility.words import headline
     from companion.record.folder import new_directory
 
     faults = Faults()
@@ -127,6 +137,11 @@ def fly(
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, output))
     faults.raise_any()
     assert sortie is not None and open_port is not None
+    sortie, found = looked_at(sortie)
+    if not found.feasible:
+        if not accept_infeasible:
+            raise typer.Exit(refuse(f"{headline(found)} (--accept-infeasible flies it all the same)", json))
+        say(f"warning: {headline(found)}")
     directory = record or new_directory(sortie.mission.name)
     raise typer.Exit(fly_now(Flight(sortie, directory, duration, Ending(json, settle), set_parameters), open_port()))
 

@@ -37,8 +37,8 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bo
     recorder.close()
     plan, memory = conductor.plan, conductor.memory
     if plan is None or memory is None:
-        _print_refusal(conductor.refusal or "the flight did not begin", ending)
-        return INTERRUPTED if stopped else FAILED
+        code = refuse(conductor.refusal or "the flight did not begin", ending.json)
+        return INTERRUPTED if stopped else code
     done = pilot.completed(memory)
     reason = memory.first_fault or (None if done else conductor.refusal or "the flight ended before it was finished")
     directory = recorder.directory
@@ -71,11 +71,13 @@ def _of_the_link(conductor: Conductor) -> list[str]:
     return notes + [f"{count} states of the vehicle were not used: {reason}" for reason, count in refused]
 
 
-def _print_refusal(reason: str, ending: Ending) -> None:
-    if ending.json:
+def refuse(reason: str, as_json: bool) -> int:
+    """Say why nothing was flown; the exit code."""
+    if as_json:
         print(json.dumps({"schema": "companion.flight/1", "outcome": "aborted", "reason": reason}, indent=2))
     else:
         print(f"not flown: {reason}")
+    return FAILED
 
 
 def _text(figures: dict[str, Any]) -> str:

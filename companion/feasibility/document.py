@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,10 @@ HUGE = 1e9
 """What stands for values without end, which JSON does not know."""
 
 
-def as_document(report: Report) -> dict[str, Any]:
-    """``limits`` holds those of the schema, and beside them any other that is broken, so that it always explains
+def as_document(report: Report, places: Sequence[str] = (), warnings: Sequence[str] = ()) -> dict[str, Any]:
+    """``places``: where the path runs, ``warnings``: what is likely not meant there; sentences.
+
+    ``limits`` holds those of the schema, and beside them any other that is broken, so that it always explains
     ``feasible``; ``further`` holds all others. ``fastest`` is the limit met at ``speed_scale_max``."""
     broken = [limit for limit in report.others if not limit.ok]
     speed = np.abs(report.at.alpha[0])
@@ -44,6 +47,8 @@ def as_document(report: Report) -> dict[str, Any]:
             "max": report.ground - float(report.at.path[0, 2].min()),
         },
         "speed_mps": {"min": float(speed.min()), "max": float(speed.max())},
+        "places": list(places),
+        "warnings": list(warnings),
         "auto": None,
     }
     if report.auto:

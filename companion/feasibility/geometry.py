@@ -8,6 +8,7 @@ import numpy as np
 
 from companion.feasibility.limits import Limit
 from companion.feasibility.stations import Stations
+from companion.fence import Fence
 from companion.mission import Mission
 
 RADIUS_MIN = 0.3
@@ -17,6 +18,8 @@ STRAIGHT = 1e6
 """m, the radius reported for a path without bends."""
 CLEARANCE_MIN = 0.3
 """m above the ground."""
+FENCE_MIN = 0.5
+"""m inside the fence: what a gust may take."""
 SPEED_JUMP_MAX = 2.0
 """% of the largest speed."""
 YAW_JUMP_MAX = 1.0
@@ -38,6 +41,17 @@ def clearance(at: Stations, ground: float) -> Limit:
     least = float(height[i])
     used = CLEARANCE_MIN / least if least > 0.0 else math.inf
     return Limit("ground_clearance_m", least, CLEARANCE_MIN, float(at.s[i]), least >= CLEARANCE_MIN, used)
+
+
+def fenced(at: Stations, fence: Fence | None) -> list[Limit]:
+    """How far the path stays inside the ``fence``, which is in the local frame; nothing where there is none."""
+    if fence is None or not fence.areas:
+        return []
+    margins = [fence.margin((x, y, z)) for x, y, z in at.path[0].T.tolist()]
+    i = int(np.argmin(margins))
+    least = margins[i]
+    used = FENCE_MIN / least if least > 0.0 else math.inf
+    return [Limit("fence_m", least, FENCE_MIN, float(at.s[i]), least >= FENCE_MIN, used)]
 
 
 def jumps(mission: Mission, at: Stations) -> list[Limit]:

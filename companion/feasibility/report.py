@@ -12,7 +12,7 @@ from companion.feasibility.demand import Demand, demand
 from companion.feasibility.fastest import SPEED_MIN, TooSlowError, flyable
 from companion.feasibility.limits import Limit, quantities, worst, worst_use
 from companion.feasibility.stations import Stations, places, stations
-from companion.mission import Mission
+from companion.mission import GlobalOrigin, Mission
 from companion.profiles import AutoSpeed, ConstantSpeed
 from companion.vehicle import Vehicle
 
@@ -75,7 +75,7 @@ class Report:
 def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Report:
     """The report for a mission, its speed found first where it is ``auto``: a second's work at most for usual paths.
 
-    ``ground``: m, down in the local frame; None: what the mission's heights count from. CompanionError, ValueError,
+    ``ground``: m, down in the local frame; None: ``ground_under`` the mission. CompanionError, ValueError,
     ArithmeticError: the path, its speed or its yaw is not defined somewhere.
     """
     auto = isinstance(mission.speed, AutoSpeed)
@@ -83,10 +83,15 @@ def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Re
         flown = flyable(mission, vehicle)
     except TooSlowError:  # the limits broken at a crawl say why
         flown = replace(mission, speed=ConstantSpeed(mission.direction * SPEED_MIN))
-    ground = mission.placement.origin_n[2] if ground is None else ground
+    ground = ground_under(mission) if ground is None else ground
     at = stations(flown, places(flown))
     asked = demand(at, vehicle)
-    speed_free = (geometry.radius(at), geometry.clearance(at, ground), *geometry.jumps(flown, at))
+    speed_free = (
+        geometry.radius(at),
+        geometry.clearance(at, ground),
+        *geometry.fenced(at, flown.fence_n),
+        *geometry.jumps(flown, at),
+    )
     found = [*_of_speed(at, asked, vehicle), _vdot(at, asked, vehicle), *speed_free]
     limits = tuple(next(limit for limit in found if limit.name == name) for name in NAMES)
     scale, at_most = speed_scale_max(at, vehicle)
@@ -107,6 +112,13 @@ def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Re
         asked=asked,
         ground=ground,
     )
+
+
+def ground_under(mission: Mission) -> float:
+    """m, down in the local frame: the height that the mission's heights count from, or its vehicle's home."""
+    origin = mission.origin
+    above = origin.altitude if isinstance(origin, GlobalOrigin) and origin.above_home else 0.0
+    return mission.placement.origin_n[2] + above
 
 
 def speed_scale_max(at: Stations, vehicle: Vehicle) -> tuple[float, Limit]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -23,11 +24,12 @@ LABELS = {
     "regularity": ("regularity of the law", "", 3),
     "vdot_over_g": ("acceleration over g", "", 2),
     "ground_clearance_m": ("height above ground", "m", 1),
+    "fence_m": ("distance to the fence", "m", 1),
     "speed_jump_percent": ("speed's jump where it closes", "%", 1),
     "yaw_jump_deg": ("heading's jump where it closes", "deg", 1),
 }
 """name -> what a person calls it, its unit, and how many digits are worth reading."""
-LEAST = frozenset({"path_radius_m", "regularity", "ground_clearance_m"})
+LEAST = frozenset({"path_radius_m", "regularity", "ground_clearance_m", "fence_m"})
 """What must be more than its limit."""
 COLUMN = 32
 
@@ -65,6 +67,10 @@ def why(report: Report, limit: Limit) -> str:
             what = f"The path leads {-limit.worst:.1f} m below the ground ({sign})"
         case "ground_clearance_m":
             what = f"The path leads only {value} above the ground; {most} is the least"
+        case "fence_m" if limit.worst < 0.0:
+            what = f"The path leaves the fence by {-limit.worst:.1f} m"
+        case "fence_m":
+            what = f"The path comes within {value} of the fence; {most} is the least"
         case "speed_jump_percent":
             what = f"Where the path closes, the speed jumps by {value} of its largest"
         case "yaw_jump_deg":
@@ -88,12 +94,13 @@ def where(report: Report, s: float) -> str:
     return f"{s:.1f} m along the path (x {x:.1f}, y {y:.1f}, z {z:.1f})"
 
 
-def in_words(report: Report) -> str:
-    """The whole report, for a terminal."""
-    lines = [headline(report), ""]
+def in_words(report: Report, places: Sequence[str] = (), warnings: Sequence[str] = ()) -> str:
+    """The whole report, for a terminal. ``places``: where the path runs, ``warnings``: what is likely not meant there;
+    sentences."""
+    lines = [headline(report), *(f"WARNING: {warning}" for warning in warnings), ""]
     for name, text in (
         ("path", _path(report)),
-        ("height", _height(report)),
+        *(("where" if i == 0 else "", line) for i, line in enumerate(places)),
         ("time", _time(report)),
         ("speed", _speed(report)),
         ("how fast at most", _at_most(report)),
@@ -109,13 +116,6 @@ def in_words(report: Report) -> str:
 
 def _path(report: Report) -> str:
     return f"{report.length:.1f} m, {'closed' if report.mission.closed else 'open'}"
-
-
-def _height(report: Report) -> str:
-    heights = report.ground - report.at.path[0, 2]
-    low, high = float(heights.min()), float(heights.max())
-    text = f"{low:.1f} m" if high - low < 0.05 else f"{low:.1f} to {high:.1f} m"
-    return f"{text} above the ground, taken to be level where the mission counts from"
 
 
 def _time(report: Report) -> str:

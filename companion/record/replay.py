@@ -13,6 +13,7 @@ from companion.config.document import Document, parse
 from companion.config.faults import ConfigError, Fault
 from companion.config.mission import mission_from
 from companion.config.vehicle import vehicle_from
+from companion.feasibility.fastest import flyable
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
 from companion.record.table import Table, load_table
@@ -58,7 +59,8 @@ def load_flight(directory: Path) -> Recorded:
         message = f"not a readable flight folder: {error}"
         raise ConfigError([Fault(str(directory), 1, "", message)]) from None
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
-    plan = prepared(mission_from(mission, law_level(level)), machine, level, (x, y, z), resolved["duration_s"], tuning)
+    flown = flyable(mission_from(mission, law_level(level)), machine)
+    plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning)
     return Recorded(plan, table, truth, begun_at)
 
 
