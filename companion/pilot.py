@@ -104,7 +104,7 @@ def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Mem
             memory = _decided(plan, memory, seen, now, notes, law_error=str(error))
     if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR:
         fresh = memory.state_at is not None and now - memory.state_at <= STALE_AFTER
-        setpoint = plan.steering.level(memory.state if fresh else None)
+        setpoint = plan.steering.level(memory.state if fresh else None, memory.steering)
     return memory, Outcome(setpoint, _request(memory, now), tuple(notes), steered, ramp)
 
 

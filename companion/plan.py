@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from companion.estimation.observer import DRAG_DOUBT, Prior
 from companion.frames import Vec3
 from companion.law.feedback import Bounds
 from companion.law.flight import Law, curve_law, implicit_law, model_of
 from companion.law.gains import Level, default_gains
-from companion.law.hold import hold_law
+from companion.law.hold import HoldLaw, hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
+from companion.steering.encoding import AsRates, as_attitude
 from companion.steering.motors import motor_steering
+from companion.steering.rates import rate_steering
 from companion.steering.steering import Steering
-from companion.vehicle import CompanionError, OutputLevel, Tuning, Vehicle
+from companion.vehicle import OutputLevel, Tuning, Vehicle
 
+HOVER_THRUST = 0.5
+"""Normalised, where neither the vehicle nor its file says: PX4's own first guess."""
 RAMP_ACCELERATION = 1.5
 """m/s^2, the steepest rise of the speed at the start."""
 SPEED_SAMPLES = 400
@@ -58,10 +63,9 @@ def prepared(
 ) -> Plan:
     """The plan for a mission whose origin lies at ``origin_n`` of the vehicle's local frame.
 
-    CompanionError: it cannot be flown. Takes tens of milliseconds: do it before the flight.
+    ``tuning``: what its autopilot said. CompanionError: it cannot be flown. Takes tens of
+    milliseconds: do it before the flight.
     """
-    if level is not OutputLevel.MOTORS:
-        raise CompanionError(f"output {level.value} is not built yet")
     placed = mission.placed(origin_n)
     table = placed.table
     speeds = [placed.alpha(table.length * i / SPEED_SAMPLES) for i in range(SPEED_SAMPLES)]
@@ -82,7 +86,7 @@ def prepared(
         mission=placed,
         vehicle=vehicle,
         level=level,
-        steering=motor_steering(law, hold_law(law_level(level), model_of(vehicle), usual, bounds), vehicle),
+        steering=_steering(law, hold_law(law_level(level), model_of(vehicle), usual, bounds), vehicle, level, tuning),
         table=table,
         direction=direction,
         ramp_time=ramp_time,
@@ -90,3 +94,11 @@ def prepared(
         duration=duration,
         tuning=tuning,
     )
+
+
+def _steering(law: Law, hold: HoldLaw, vehicle: Vehicle, level: OutputLevel, tuning: Tuning) -> Steering:
+    if level is OutputLevel.MOTORS:
+        return motor_steering(law, hold, vehicle)
+    hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
+    encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
+    return rate_steering(law, hold, vehicle, encoding, hover, Prior(drag=(vehicle.drag, DRAG_DOUBT)))

@@ -74,7 +74,7 @@ class MotorSteering:
             thrust_share=middle / self.vehicle.thrust_max,
         )
 
-    def level(self, state: VehicleState | None) -> MotorSetpoint:
+    def level(self, state: VehicleState | None, memory: Extension | None = None) -> MotorSetpoint:
         """Hover thrust, and from a fresh state the torques that turn the thrust axis up and stop the turning."""
         torque = (0.0, 0.0, 0.0) if state is None else self._levelling_torque(state)
         u: Four = (self.vehicle.weight, *torque)

@@ -82,5 +82,6 @@ class Steering(Protocol):
         the estimates stand still. ``link_delay``: s, there and back, as measured; None where it is not known.
         """
 
-    def level(self, state: VehicleState | None) -> Setpoint:
-        """A setpoint that levels and hovers: from a fresh state, or from none (then it asks for no turning)."""
+    def level(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> Setpoint:
+        """A setpoint that levels and hovers: from a fresh state, or from none (then it asks for no turning).
+        ``memory``: of the flight so far, if there was one."""

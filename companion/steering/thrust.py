@@ -32,6 +32,14 @@ class ThrustRange:
             return max(self.low, min(self.high, later)), 0.0, True
         return later, limited, limited != wanted
 
+    def integrated(self, zeta: float, zeta_dot: float, dt: float, high: float) -> tuple[float, float, bool]:
+        """(zeta ``dt`` later, its slope), and whether a bound was met. ``high``: N, a bound lower than the range's."""
+        slope = max(-self.rate, min(self.rate, zeta_dot))
+        later = zeta + slope * dt
+        if not self.low <= later <= high:
+            return max(self.low, min(high, later)), 0.0, True
+        return later, slope, slope != zeta_dot
+
 
 UNBOUNDED = ThrustRange(-float("inf"), float("inf"), float("inf"))
 """The paper's own: for a vehicle without limits."""

@@ -1,0 +1,130 @@
+"""What a flight finds out about its vehicle, step by step: the Kalman filter, and what keeps it honest.
+
+freeze     thrust scale and drag are not learned for a while after anything that is not the model: a clipped
+           command, a thrust at its bound, a vehicle that is held or stopped
+ball       the disturbance stays near its own slow mean: a vehicle held by force is not taken for one in a storm,
+           and does not leap away when it is released
+noise      how far measurements are trusted follows from how far they miss what was expected
+seat       after a jump of the estimator or of the vehicle, place and velocity are taken as they are now
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.estimation.kalman import DRAG, KAPPA, Belief, Surprise, first_belief, seated, stepped
+from companion.frames import Matrix3, Vec3
+
+FREEZE_FOR = 0.4
+"""s without learning after anything the model does not know."""
+KAPPA_RANGE, DRAG_RANGE = (0.45, 2.2), (0.0, 2.5)
+BALL, FIRST_BALL = 2.0, 8.0
+"""m/s^2, how far the disturbance may be from its slow mean; at first it may be anywhere a wind could put it."""
+FIRST_FOR, SLOW_TIME, FIRST_SLOW_TIME = 4.0, 5.0, 0.5
+"""s."""
+KAPPA_DOUBT, DRAG_DOUBT = 0.2, 0.7
+NOISE_TIME = 2.0
+"""s over which the misses are averaged."""
+NOISE_MIN, NOISE_MAX = (1e-3**2, 4e-3**2), (0.05**2, 0.2**2)
+"""Variances of position (m^2) and velocity (m^2/s^2): PX4's own smooth estimate, and the worst that is still flown."""
+JUMP_P, JUMP_V, JUMP_SIGMAS = 0.25, 0.5, 10.0
+CALM = 1.0
+"""m/s, below which a lean is taken for the wind's."""
+CONVERGED = 0.03
+"""Standard deviation of the thrust scale at which it is known."""
+FIRST_LEARNING = 0.3
+"""s of flight before anything is called converged."""
+
+
+class Prior(NamedTuple):
+    """What is believed before the flight: value and standard deviation of the thrust scale and of the drag (1/s)."""
+
+    kappa: tuple[float, float] = (1.0, KAPPA_DOUBT)
+    drag: tuple[float, float] = (0.0, DRAG_DOUBT)
+
+
+class Observed(NamedTuple):
+    """What is known at a stamp. ``belief``: of the vehicle. ``noise``: variances of measured position and velocity.
+    ``slow_n``: m/s^2, the slow mean of the disturbance. ``frozen``: s left without learning. ``flown``: s since the
+    first step. ``held``: whether the disturbance stands at the edge of its ball."""
+
+    belief: Belief
+    noise: tuple[float, float]
+    slow_n: Vec3
+    frozen: float = 0.0
+    flown: float = 0.0
+    held: bool = False
+
+    @property
+    def converged(self) -> bool:
+        """Whether the scale of the thrust is known well enough to follow a path."""
+        return self.flown >= FIRST_LEARNING and self.belief.variance(KAPPA) < (CONVERGED * self.belief.kappa) ** 2
+
+
+def first_observed(p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: Prior) -> Observed:
+    """Before the first step. A vehicle that hovers leans into the wind, so that the lean says what the wind does."""
+    lean: Vec3 = (0.0, 0.0, 0.0)
+    if math.hypot(*v_n) < CALM and r_nb[8] > 0.5:
+        lean = (gravity * r_nb[2] / r_nb[8], gravity * r_nb[5] / r_nb[8], 0.0)
+    return Observed(first_belief(p_n, v_n, lean, prior.kappa, prior.drag), NOISE_MIN, lean)
+
+
+def observed(
+    known: Observed, dt: float, lift_n: Vec3, gravity: float, p_n: Vec3, v_n: Vec3, *, limited: bool, jumped: bool
+) -> Observed:
+    """``known`` after ``dt`` s under a mean lift and a new measurement. ``limited``: the last command met a limit.
+    ``jumped``: the vehicle says that its estimate was reset."""
+    frozen = FREEZE_FOR if limited else max(0.0, known.frozen - dt)
+    learning = frozen == 0.0
+    belief, surprise = stepped(known.belief, dt, lift_n, gravity, p_n, v_n, known.noise, learning)
+    flown = known.flown + dt
+    if jumped or _leapt(surprise):
+        there = seated(known.belief, p_n, v_n)
+        return known._replace(belief=there, frozen=FREEZE_FOR, flown=flown)
+    belief, slow_n, held = _bounded(belief, known.slow_n, dt, flown)
+    noise = known.noise if held or not learning else _noise(known.noise, surprise, dt)
+    return Observed(belief, noise, slow_n, FREEZE_FOR if held else frozen, flown, held)
+
+
+def _leapt(surprise: Surprise) -> bool:
+    """Whether a measurement is no measurement of the motion that was believed in."""
+    for axis, (miss, variance) in enumerate(zip(*surprise, strict=True)):
+        if abs(miss) > (JUMP_P if axis < 3 else JUMP_V) and miss * miss > JUMP_SIGMAS**2 * variance:
+            return True
+    return False
+
+
+def _bounded(belief: Belief, slow_n: Vec3, dt: float, flown: float) -> tuple[Belief, Vec3, bool]:
+    """Everything within what a vehicle can be, the slow mean of the disturbance, and whether that met its edge."""
+    dx, dy, dz = belief.disturbance_n
+    sx, sy, sz = slow_n
+    ox, oy, oz = dx - sx, dy - sy, dz - sz
+    off = math.sqrt(ox * ox + oy * oy + oz * oz)
+    share = flown / FIRST_FOR
+    early = share < 1.0
+    radius = FIRST_BALL + (BALL - FIRST_BALL) * share if early else BALL
+    x = list(belief.x)
+    held = off > radius
+    if held:
+        shrink = radius / off
+        x[2], x[6], x[10] = sx + ox * shrink, sy + oy * shrink, sz + oz * shrink
+    else:
+        k = min(1.0, dt / (FIRST_SLOW_TIME if early else SLOW_TIME))
+        slow_n = (sx + k * ox, sy + k * oy, sz + k * oz)
+    x[KAPPA] = min(max(x[KAPPA], KAPPA_RANGE[0]), KAPPA_RANGE[1])
+    x[DRAG] = min(max(x[DRAG], DRAG_RANGE[0]), DRAG_RANGE[1])
+    return Belief(tuple(x), belief.P), slow_n, held
+
+
+def _noise(noise: tuple[float, float], surprise: Surprise, dt: float) -> tuple[float, float]:
+    """The variances of the measurements, drawn to where misses are as large as expected."""
+    k = dt / (NOISE_TIME * 3.0)
+    result = []
+    for kind, first in enumerate((0, 3)):
+        excess = 0.0
+        for i in range(first, first + 3):
+            miss, variance = surprise.innovation[i], surprise.variance[i]
+            excess += min(miss * miss, 9.0 * variance) - variance
+        result.append(min(max(noise[kind] + k * excess, NOISE_MIN[kind]), NOISE_MAX[kind]))
+    return result[0], result[1]

@@ -1,0 +1,198 @@
+"""Body rates and thrust: the paper's design one order earlier, for a vehicle that mixes its own motors.
+
+Jerk -> body rates and the rate of the thrust. Between a state and the effect of its command lie the link and the rate
+loop; so the law is evaluated where its command acts, at the state predicted under the commands already sent. What the
+vehicle does not say (thrust scale, drag, wind, its estimator's bias) is observed on the way.
+
+Thrust goes out normalised, hover_thrust at one g. PX4 makes it linear in the force by its own THR_MDL_FAC before it
+reaches the motors, and MPC_THR_HOVER counts in the same units, so nothing is to be inverted here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from companion.estimation.kalman import DRAG, KAPPA
+from companion.estimation.observer import Observed, Prior, first_observed, observed
+from companion.estimation.prediction import Ahead, Known, predicted
+from companion.estimation.response import Inner, Response, Sent, corrected, followed
+from companion.frames import Quaternion, Vec3, rotation_matrix, upright_error
+from companion.law.flight import Flying, Law
+from companion.law.hold import HoldLaw
+from companion.steering.encoding import Encoding
+from companion.steering.steering import Aim, Along, Estimates, Steered
+from companion.steering.thrust import ThrustRange, thrust_range
+from companion.vehicle import Setpoint, Vehicle, VehicleState
+
+TILTING_MAX = 4.0
+"""rad/s of roll and pitch rate."""
+THRUST_MIN, THRUST_MAX = 0.05, 0.97
+"""Normalised: the range that is sent. A little is left for the vehicle's own rate loop."""
+STRAINED = 0.9
+"""Normalised thrust above which single motors meet their limits and nothing is learned."""
+GAP_MAX = 0.5
+"""s without a state after which what was flown meanwhile is not known."""
+LEVEL_GAIN, LEVEL_RATE_MAX = 3.0, 2.0
+
+
+class RateMemory(NamedTuple):
+    """``state``: the last one, with ``observed`` and ``inner`` at its stamp. ``sent``: the commands that act at or
+    after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the last command met a limit."""
+
+    state: VehicleState
+    observed: Observed
+    inner: Inner
+    sent: tuple[Sent, ...]
+    zeta: float
+    limited: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class RateSteering:
+    """The law at the level of rates for one vehicle. ``hover_thrust``: normalised, as told; the rest is observed.
+    ``encoding``: rates as they are, or as the attitude that PX4's own loop turns back into them."""
+
+    law: Law
+    hold: HoldLaw
+    vehicle: Vehicle
+    range: ThrustRange
+    response: Response
+    hover_thrust: float
+    prior: Prior
+    encoding: Encoding
+
+    def begin(self, state: VehicleState) -> RateMemory:
+        """Hovering, as far as anybody knows."""
+        return self._begun(state, self.prior)
+
+    def steer(
+        self, memory: RateMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+    ) -> Steered:
+        """See Steering."""
+        gap = state.t_boot - memory.state.t_boot
+        if dt == 0.0 or gap > GAP_MAX:
+            memory = self._again(memory, state)
+        elif gap > 0.0:
+            memory = self._seen(memory, state, gap)
+        vehicle, belief = self.vehicle, memory.observed.belief
+        acts_after = vehicle.link_delay if link_delay is None else link_delay
+        half = 0.5 * dt  # a command is held until the next one
+        lag = self.response.lag
+        there = self._ahead(memory, acts_after + half + lag)
+        zeta = memory.zeta
+        flying = Flying(
+            p_n=there.p_n,
+            v_n=there.v_n,
+            r_nb=rotation_matrix(there.q_nb),
+            zeta=zeta,
+            disturbance=belief.disturbance_n,
+            drag=belief.drag,
+            s=aim.s if isinstance(aim, Along) else 0.0,
+        )
+        command = self.law(flying, aim.ramp) if isinstance(aim, Along) else self.hold(flying, *aim)
+        per_lift = vehicle.mass * belief.kappa
+        highest = min(self.range.high, THRUST_MAX * per_lift * vehicle.gravity / self.hover_thrust)
+        later, slope, bound = self.range.integrated(zeta, command.zeta_derivative, dt, highest)
+        rates, clipped = self._clipped(command.turn)
+        # thrust answers sooner than the rates do
+        lift = (zeta + slope * (half - (lag - self.response.motor_lag))) / per_lift
+        wanted = lift * self.hover_thrust / vehicle.gravity
+        thrust = min(max(wanted, THRUST_MIN), THRUST_MAX)
+        lift = thrust * vehicle.gravity / self.hover_thrust
+        q_nb = self._ahead(memory, acts_after + half).q_nb if self.encoding.needs_attitude else state.q_nb
+        sent = (*memory.sent, Sent(state.t_boot + acts_after, rates, lift))
+        limited = bound or clipped or thrust != wanted
+        return Steered(
+            setpoint=self.encoding.setpoint(rates, thrust, q_nb),
+            memory=memory._replace(sent=sent, zeta=later, limited=limited or thrust > STRAINED),
+            command=command,
+            zeta=later,
+            zeta_dot=slope,
+            thrust_n=lift * per_lift,
+            saturated=limited,
+            thrust_share=thrust,
+            converged=memory.observed.converged,
+            estimates=Estimates(
+                belief.kappa, belief.drag, belief.disturbance_n, belief.bias_n, acts_after, self.response.lag
+            ),
+        )
+
+    def level(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
+        """See Steering."""
+        thrust, rates = self.hover_thrust, (0.0, 0.0, 0.0)
+        q_nb: Quaternion = (1.0, 0.0, 0.0, 0.0)
+        if memory is not None:
+            thrust /= memory.observed.belief.kappa
+            q_nb = memory.state.q_nb
+        if state is not None:
+            q_nb = state.q_nb
+            error_x, error_y = upright_error(state.r_nb)
+            most = LEVEL_RATE_MAX
+            rates = (
+                min(max(LEVEL_GAIN * error_x, -most), most), min(max(LEVEL_GAIN * error_y, -most), most), 0.0
+            )  # fmt: skip
+        return self.encoding.level(rates, min(max(thrust, THRUST_MIN), THRUST_MAX), q_nb)
+
+    def _again(self, memory: RateMemory, state: VehicleState) -> RateMemory:
+        """A beginning that keeps what was learned of the vehicle."""
+        belief = memory.observed.belief
+        kappa = (belief.kappa, math.sqrt(belief.variance(KAPPA)))
+        drag = (belief.drag, math.sqrt(belief.variance(DRAG)))
+        return self._begun(state, Prior(kappa, drag))
+
+    def _begun(self, state: VehicleState, prior: Prior) -> RateMemory:
+        vehicle = self.vehicle
+        r = state.r_nb
+        known = first_observed(state.p_n, state.v_n, r, vehicle.gravity, prior)
+        upright = max(r[8], 0.5)
+        inner = Inner(state.w_b, (0.0, 0.0, 0.0), vehicle.gravity / (upright * known.belief.kappa))
+        return RateMemory(state, known, inner, (Sent(-math.inf, state.w_b, inner.lift),), vehicle.weight / upright)
+
+    def _seen(self, memory: RateMemory, state: VehicleState, gap: float) -> RateMemory:
+        """What is known with a new state, ``gap`` s after the last one."""
+        before, now = memory.state, state.t_boot
+        inner, lift = followed(memory.inner, self.response, memory.sent, before.t_boot, now)
+        inner = corrected(inner, state.w_b, gap)
+        # the thrust axis, a mean of both ends
+        old, new = before.r_nb, state.r_nb
+        half = 0.5 * lift
+        lift_n = (half * (old[2] + new[2]), half * (old[5] + new[5]), half * (old[8] + new[8]))
+        known = observed(
+            memory.observed, gap, lift_n, self.vehicle.gravity, state.p_n, state.v_n,
+            limited=memory.limited, jumped=state.resets != before.resets,
+        )  # fmt: skip
+        sent = memory.sent
+        past = 0
+        while past + 1 < len(sent) and sent[past + 1].at <= now:
+            past += 1
+        return memory._replace(state=state, observed=known, inner=inner, sent=sent[past:])
+
+    def _ahead(self, memory: RateMemory, horizon: float) -> Ahead:
+        """The vehicle ``horizon`` s after the last state."""
+        belief = memory.observed.belief
+        known = Known(belief.kappa, belief.drag, belief.disturbance_n, self.vehicle.gravity)
+        state = memory.state
+        return predicted(
+            belief.p_n, belief.v_n, state.q_nb, memory.inner, known, self.response, memory.sent, state.t_boot, horizon
+        )
+
+    def _clipped(self, turn: Vec3) -> tuple[Vec3, bool]:
+        """Rates within what the vehicle may be asked for, and whether roll or pitch had to give way."""
+        limits = self.vehicle.limits
+        if limits is None:
+            return turn, False
+        p_most, q_most, r_most = limits.body_rates
+        p_most, q_most = min(p_most, TILTING_MAX), min(q_most, TILTING_MAX)
+        p, q, r = turn
+        clipped = (min(max(p, -p_most), p_most), min(max(q, -q_most), q_most), min(max(r, -r_most), r_most))
+        return clipped, clipped[:2] != (p, q)
+
+
+def rate_steering(
+    law: Law, hold: HoldLaw, vehicle: Vehicle, encoding: Encoding, hover_thrust: float, prior: Prior
+) -> RateSteering:
+    """Steering for ``vehicle``."""
+    response = Response(vehicle.rate_loop_lag, vehicle.motor_lag)
+    return RateSteering(law, hold, vehicle, thrust_range(vehicle), response, hover_thrust, prior, encoding)

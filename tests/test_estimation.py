@@ -1,0 +1,240 @@
+"""What is found out on the way: the inner loops' model, the prediction, the filter, and what keeps it honest."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy as np
+import pytest
+
+from companion.estimation import kalman
+from companion.estimation.kalman import DRAG, KAPPA, SIZE, UPPER, Belief, first_belief, seated, stepped
+from companion.estimation.observer import Observed, Prior, first_observed, observed
+from companion.estimation.prediction import Known, predicted
+from companion.estimation.response import Inner, Response, Sent, axis_step, corrected, followed, in_force
+from companion.frames import Vec3, from_rotation_vector, multiply, quaternion_from_euler, rotation_matrix
+
+G = 9.80665
+STILL: Vec3 = (0.0, 0.0, 0.0)
+SIH = Response(0.071, 0.05)
+
+
+@pytest.mark.parametrize(("lag", "motor_lag"), [(0.071, 0.05), (0.06, 0.0125), (0.06, 0.015), (0.3, 0.01)])
+def test_an_axis_follows_its_equation_exactly(lag: float, motor_lag: float) -> None:
+    """Under, critically and over-damped, against a fine integration."""
+    step = axis_step(lag, motor_lag, 0.02)
+    y, yd, angle, h = 0.7, -2.0, 0.0, 1e-6
+    for _ in range(20000):
+        mid = yd + 0.5 * h * (-y / (lag * motor_lag) - yd / motor_lag)
+        angle += h * y
+        yd += h * (-(y + 0.5 * h * yd) / (lag * motor_lag) - mid / motor_lag)
+        y += h * mid
+    assert 0.7 * step.yy - 2.0 * step.yd == pytest.approx(y, abs=1e-5)
+    assert 0.7 * step.dy - 2.0 * step.dd == pytest.approx(yd, abs=1e-3)
+    assert 0.7 * step.ay - 2.0 * step.ad == pytest.approx(angle, abs=1e-5)
+
+
+def test_the_response_is_the_one_measured_on_px4() -> None:
+    """A step of the roll rate: 50 % after 76 ms, 63 % after 92, 90 % after 136, 7 to 8 % overshoot."""
+    inner, sent = Inner(STILL, STILL, G), (Sent(0.0, (1.0, 0.0, 0.0), G),)
+    reached: dict[float, float] = {}
+    most = 0.0
+    for k in range(1, 200):
+        inner, _ = followed(inner, SIH, sent, (k - 1) * 0.004, k * 0.004)
+        for share in (0.5, 0.63, 0.9):
+            if inner.w_b[0] >= share:
+                reached.setdefault(share, k * 0.004)
+        most = max(most, inner.w_b[0])
+    assert reached[0.5] == pytest.approx(0.076, abs=0.010)
+    assert reached[0.63] == pytest.approx(0.092, abs=0.010)
+    assert reached[0.9] == pytest.approx(0.136, abs=0.010)
+    assert most == pytest.approx(1.08, abs=0.03)
+
+
+def test_commands_take_over_one_after_another() -> None:
+    sent = tuple(Sent(t, (t, 0.0, 0.0), G) for t in (1.0, 2.0, 3.0))
+    assert [in_force(sent, t).at for t in (0.5, 1.0, 2.5, 9.0)] == [1.0, 1.0, 2.0, 3.0]
+
+
+def test_lift_follows_the_motors_lag() -> None:
+    inner, mean = followed(Inner(STILL, STILL, 0.0), SIH, (Sent(0.0, STILL, 10.0),), 0.0, 0.05)
+    assert inner.lift == pytest.approx(10.0 * (1.0 - math.exp(-1.0)))
+    assert mean == pytest.approx(10.0 * math.exp(-1.0))
+
+
+def test_the_gyro_corrects_the_model_without_swinging() -> None:
+    for dt in (0.004, 0.01, 0.02, 0.1):
+        inner, sent = Inner((1.0, -1.0, 0.5), (20.0, 0.0, 0.0), G), (Sent(0.0, STILL, G),)
+        for k in range(40):
+            inner, _ = followed(inner, SIH, sent, k * dt, (k + 1) * dt)
+            inner = corrected(inner, STILL, dt)
+        assert max(map(abs, inner.w_b)) < 1e-3
+
+
+def test_prediction_is_the_motion_it_predicts() -> None:
+    """Against a fine integration of the same equations, commands changing on the way, drag and wind included."""
+    known = Known(1.1, 0.8, (0.5, -1.0, 0.2), G)
+    sent = (Sent(0.0, (1.0, -0.5, 0.3), 11.0), Sent(0.036, (-1.0, 0.8, 0.0), 9.0), Sent(0.072, (2.0, 0.0, -0.4), 12.0))
+    p_n, v_n, q_nb = (1.0, 2.0, -3.0), (4.0, -2.0, 1.0), quaternion_from_euler(0.5, 0.2, -0.3)
+    inner = Inner((0.4, 0.1, -0.2), (3.0, -2.0, 0.0), 10.0)
+    there = predicted(p_n, v_n, q_nb, inner, known, SIH, sent, 0.0, 0.12)
+    p, v, q, h = np.array(p_n), np.array(v_n), q_nb, 0.0002
+    for k in range(600):
+        inner, lift = followed(inner, SIH, sent, k * h, (k + 1) * h)
+        w = inner.w_b
+        q = multiply(q, from_rotation_vector((w[0] * h, w[1] * h, w[2] * h)))
+        b = np.array(rotation_matrix(q)[2::3])
+        a = np.array((0.5, -1.0, 0.2 + G)) - 1.1 * lift * b - 0.8 * v
+        p, v = p + h * v + 0.5 * h * h * a, v + h * a
+    assert there.p_n == pytest.approx(tuple(p), abs=5e-4)
+    assert there.v_n == pytest.approx(tuple(v), abs=6e-3)
+    assert there.w_b == pytest.approx(inner.w_b, abs=0.05)
+    assert abs(np.dot(there.q_nb, q)) == pytest.approx(1.0, abs=1e-5)
+
+
+def dense(belief: Belief) -> np.ndarray:
+    P = np.zeros((SIZE, SIZE))
+    for (i, j), value in zip(UPPER, belief.P, strict=True):
+        P[i, j] = P[j, i] = value
+    return P
+
+
+def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: tuple[float, float], learn: bool):  # type: ignore[no-untyped-def]
+    """The textbook's filter in matrices, all six measurements at once, Joseph's form with zero rows."""
+    x, P = np.array(belief.x), dense(belief)
+    T, a, kappa, c = np.eye(SIZE), np.zeros(3), x[KAPPA], x[DRAG]
+    for i in range(3):
+        p, v, d, b = range(4 * i, 4 * i + 4)
+        a[i] = x[d] - kappa * F[i] - c * x[v] + (G if i == 2 else 0.0)
+        T[v, [v, d, KAPPA, DRAG]] = 1.0 - c * dt, dt, -F[i] * dt, -x[v] * dt
+        half = 0.5 * dt * dt
+        T[p, [v, d, KAPPA, DRAG]] = dt - half * c, half, -F[i] * half, -x[v] * half
+        T[b, b] = 1.0 - dt / 2.0
+    new = x.copy()
+    for i in range(3):
+        new[4 * i] = x[4 * i] + dt * x[4 * i + 1] + 0.5 * dt * dt * a[i]
+        new[4 * i + 1] = x[4 * i + 1] + dt * a[i]
+        new[4 * i + 3] = x[4 * i + 3] * (1.0 - dt / 2.0)
+    q = [n for d in kalman.NOISE_D for n in (kalman.NOISE_P, kalman.NOISE_V, d, kalman.NOISE_BETA)]
+    Q = np.diag([*q, kalman.NOISE_KAPPA * learn, kalman.NOISE_DRAG * learn]) * dt
+    P = T @ P @ T.T + Q
+    H = np.zeros((6, SIZE))
+    for i in range(3):
+        H[i, 4 * i] = 1.0
+        H[3 + i, [4 * i + 1, 4 * i + 3]] = 1.0
+    R = np.diag([noise[0]] * 3 + [noise[1]] * 3)
+    K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+    if not learn:
+        K[KAPPA:] = 0.0
+    I_KH = np.eye(SIZE) - K @ H
+    return new + K @ (z - H @ new), I_KH @ P @ I_KH.T + K @ R @ K.T
+
+
+def test_the_filter_is_the_textbooks() -> None:
+    rng = random.Random(1)
+    belief = first_belief((1.0, 2.0, -3.0), (0.5, 0.0, 0.0), (0.1, 0.0, 0.0), (1.0, 0.2), (0.3, 0.5))
+    for _ in range(60):
+        F = (rng.gauss(0, 2), rng.gauss(0, 2), rng.gauss(9, 1))
+        z = np.array([*(p + rng.gauss(0, 0.01) for p in belief.p_n), *(v + rng.gauss(0, 0.02) for v in belief.v_n)])
+        noise = (rng.uniform(1e-6, 1e-4), rng.uniform(1e-5, 1e-3))
+        x, P = usual_kalman(belief, 0.01, F, z, noise, True)
+        belief, surprise = stepped(belief, 0.01, F, G, tuple(z[:3]), tuple(z[3:]), noise, True)
+        assert belief.x == pytest.approx(x, abs=1e-9)
+        assert np.allclose(dense(belief), P, rtol=1e-7, atol=1e-12)
+        assert np.linalg.eigvalsh(dense(belief)).min() > 0.0
+        assert len(surprise.innovation) == len(surprise.variance) == 6
+
+
+def test_frozen_rows_stay_and_the_rest_is_as_with_zero_gains() -> None:
+    """The measurements are taken one by one, which with frozen rows is the textbook's only for one of them."""
+    belief = first_belief(STILL, (2.0, 1.0, 0.0), STILL, (1.0, 0.2), (0.3, 0.5))
+    for k in range(30):
+        belief, _ = stepped(belief, 0.01, (0.1 * k, 0.0, 9.0), G, STILL, (2.0, 1.0, 0.0), (1e-4, 1e-3), True)
+    frozen, _ = stepped(belief, 0.01, (1.0, 0.0, 9.0), G, (0.1, 0.0, 0.0), (2.5, 1.0, 0.0), (1e-4, 1e-3), False)
+    assert frozen.x[KAPPA:] == belief.x[KAPPA:]
+    for i in (KAPPA, DRAG):
+        for j in (KAPPA, DRAG):
+            assert dense(frozen)[i, j] == dense(belief)[i, j]
+    assert frozen.v_n[0] > belief.v_n[0]
+    assert np.linalg.eigvalsh(dense(frozen)).min() > 0.0
+
+
+def fly(
+    known: Observed, seconds: float, kappa: float, drag: float, wind: Vec3 = STILL, held: bool = False, dt: float = 0.01
+) -> Observed:
+    """A machine that swings about in the air, its lift as asked for times kappa."""
+    p, v = np.array(known.belief.p_n), np.array(known.belief.v_n)
+    for k in range(round(seconds / dt)):
+        t = k * dt
+        F = np.array([2.5 * math.sin(1.3 * t), 2.5 * math.cos(1.1 * t), 9.8 / kappa + 0.8 * math.sin(2.0 * t)])
+        a = np.array([0.0, 0.0, G]) - kappa * F - drag * (v - np.array(wind))
+        if held:
+            v[:] = 0.0
+        else:
+            p, v = p + dt * v + 0.5 * dt * dt * a, v + dt * a
+        known = observed(known, dt, tuple(F), G, tuple(p), tuple(v), limited=False, jumped=False)
+    return known
+
+
+def level_start() -> Observed:
+    return first_observed((0.0, 0.0, -10.0), STILL, rotation_matrix((1.0, 0.0, 0.0, 0.0)), G, Prior())
+
+
+@pytest.mark.parametrize("kappa", [0.7, 1.0, 1.4])
+def test_thrust_scale_and_drag_are_found(kappa: float) -> None:
+    known = fly(level_start(), 6.0, kappa, 0.9)
+    assert known.belief.kappa == pytest.approx(kappa, rel=0.01)
+    assert known.belief.drag == pytest.approx(0.9, abs=0.05)
+    assert known.converged
+
+
+def test_a_thrust_scale_converges_within_a_second_of_flight() -> None:
+    known = level_start()
+    assert not known.converged
+    known = fly(known, 1.0, 1.3, 0.3)
+    assert known.converged
+    assert known.belief.kappa == pytest.approx(1.3, rel=0.03)
+
+
+def test_wind_ends_up_in_the_disturbance_and_not_in_the_drag() -> None:
+    known = fly(level_start(), 10.0, 1.0, 0.5, wind=(4.0, -2.0, 0.0))
+    assert known.belief.drag == pytest.approx(0.5, abs=0.05)
+    assert known.belief.disturbance_n[:2] == pytest.approx((2.0, -1.0), abs=0.25)
+
+
+def test_a_lean_in_hover_is_taken_for_the_winds() -> None:
+    leaning = rotation_matrix(quaternion_from_euler(0.0, -0.2, 0.0))  # nose down into a wind from the north
+    known = first_observed(STILL, STILL, leaning, G, Prior())
+    assert known.belief.disturbance_n[0] == pytest.approx(-G * math.tan(0.2), rel=1e-6)
+    assert first_observed(STILL, (5.0, 0.0, 0.0), leaning, G, Prior()).belief.disturbance_n == STILL
+
+
+def test_a_held_vehicle_teaches_little() -> None:
+    known = fly(level_start(), 6.0, 1.0, 0.9)
+    before = known.belief
+    known = fly(known, 4.0, 1.0, 0.9, held=True)
+    assert math.dist(known.belief.disturbance_n, before.disturbance_n) < 3.0
+    assert known.belief.kappa == pytest.approx(before.kappa, abs=0.05)
+    assert known.belief.drag == pytest.approx(before.drag, abs=0.1)
+
+
+def test_a_jump_moves_the_place_and_nothing_else() -> None:
+    known = fly(level_start(), 3.0, 1.1, 0.6)
+    p, v = known.belief.p_n, known.belief.v_n
+    moved = observed(known, 0.01, (0.0, 0.0, 8.9), G, (p[0] + 5.0, p[1], p[2]), v, limited=False, jumped=False)
+    assert moved.belief.p_n[0] == pytest.approx(p[0] + 5.0)
+    assert moved.belief.x[KAPPA:] == known.belief.x[KAPPA:]
+    assert np.linalg.eigvalsh(dense(seated(known.belief, p, v))).min() > 0.0
+
+
+def test_trust_in_measurements_follows_their_noise() -> None:
+    rng = random.Random(3)
+    known = level_start()
+    for _ in range(3000):
+        p = (rng.gauss(0.0, 0.01), rng.gauss(0.0, 0.01), -10.0 + rng.gauss(0.0, 0.01))
+        v = (rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03))
+        known = observed(known, 0.01, (0.0, 0.0, G), G, p, v, limited=False, jumped=False)
+    assert math.sqrt(known.noise[0]) == pytest.approx(0.01, rel=0.3)
+    assert math.sqrt(known.noise[1]) == pytest.approx(0.03, rel=0.3)
+    assert math.hypot(*known.belief.v_n) < 0.01

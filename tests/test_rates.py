@@ -1,0 +1,65 @@
+"""Rates and attitude: signs, encodings, limits, and whole flights on the stand-in."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import pytest
+
+from companion.frames import multiply, quaternion_from_euler
+from companion.steering.encoding import AsAttitude, as_attitude
+from companion.steering.thrust import ThrustRange
+from companion.vehicle import OutputLevel, RateSetpoint, Tuning
+from sim_bridge.control.attitude import GAINS, rates_for
+from tests.flights import Flown, flight
+
+
+def test_an_attitude_is_what_px4_turns_back_into_the_rates() -> None:
+    """Against the stand-in's own derivation of PX4's controller."""
+    rng = random.Random(2)
+    encoding = as_attitude(Tuning(roll_p=GAINS[0], pitch_p=GAINS[1], yaw_p=GAINS[2]))
+    for _ in range(200):
+        q_nb = quaternion_from_euler(rng.uniform(-3, 3), rng.uniform(-1, 1), rng.uniform(-1, 1))
+        rates = (rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-1.5, 1.5))
+        asked = encoding.setpoint(rates, 0.5, q_nb)
+        assert rates_for(q_nb, asked.q_nb) == pytest.approx(rates, abs=1e-9)
+
+
+def test_absurd_rates_stay_an_attitude() -> None:
+    asked = AsAttitude().setpoint((50.0, -80.0, 40.0), 0.5, (1.0, 0.0, 0.0, 0.0))
+    assert math.hypot(*asked.q_nb) == pytest.approx(1.0)
+
+
+def test_level_keeps_the_heading() -> None:
+    leaning = multiply(quaternion_from_euler(1.0, 0.0, 0.0), quaternion_from_euler(0.0, 0.3, 0.0))
+    assert AsAttitude().level((0.0, 0.0, 0.0), 0.5, leaning).q_nb == pytest.approx(
+        quaternion_from_euler(1.0, 0.0, 0.0), abs=1e-9
+    )
+
+
+def test_thrust_stops_at_its_bounds_and_does_not_wind_up() -> None:
+    limits = ThrustRange(5.0, 20.0, 60.0)
+    assert limits.integrated(10.0, 30.0, 0.01, 20.0) == (pytest.approx(10.3), 30.0, False)
+    assert limits.integrated(10.0, 90.0, 0.01, 20.0) == (pytest.approx(10.6), 60.0, True)
+    assert limits.integrated(19.9, 30.0, 0.01, 20.0) == (20.0, 0.0, True)
+    assert limits.integrated(14.9, 30.0, 0.01, 15.0) == (15.0, 0.0, True)
+    assert limits.integrated(5.1, -30.0, 0.01, 20.0) == (5.0, 0.0, True)
+
+
+def settled(flown: Flown, after: float) -> float:
+    """m, RMS of the path error of the estimated position."""
+    errors = [error for t, error in flown.path_errors if t > after]
+    assert errors
+    return math.sqrt(sum(error * error for error in errors) / len(errors))
+
+
+@pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
+def test_a_circle_on_the_stand_in(level: OutputLevel) -> None:
+    flown = flight("circle_r5", "sih", level, duration=16.0, time_out=25.0)
+    assert flown.reason is None
+    assert settled(flown, 8.0) < (0.01 if level is OutputLevel.RATES else 0.03)
+    for _, setpoint in flown.setpoints:
+        if isinstance(setpoint, RateSetpoint):
+            assert max(map(abs, setpoint.rates_b)) <= 4.0
+        assert 0.0 < setpoint.thrust < 1.0  # type: ignore[union-attr]
