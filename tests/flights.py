@@ -111,7 +111,7 @@ def flight(
             for kind, name in (("missions", mission), ("vehicles", vehicle))
         ]
         recorder = Recorder(record, *sources, epoch=0.0)
-    conductor = Conductor(Orders(read, machine, level, duration, Origin.LOCAL), recorder, 0.0)
+    conductor = Conductor(Orders(read, machine, level, duration, Origin.LOCAL, set_parameters=True), recorder, 0.0)
     flown = Flown(conductor, between)
     if prepare is not None:
         prepare(flown)

@@ -7,7 +7,8 @@ import json
 from pathlib import Path
 
 from companion.cli.finish import say
-from companion.cli.orders import Output, Sortie, read_sortie
+from companion.cli.orders import Sortie, read_sortie
+from companion.cli.output import Output
 from companion.config.faults import ConfigError, Fault
 from companion.feasibility import report as feasibility
 from companion.feasibility.document import as_document
