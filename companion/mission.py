@@ -166,13 +166,13 @@ class Mission:
         assert isinstance(path, ImplicitPath)
         forward = 1.0 if direction >= 0.0 else -1.0
 
-        def alpha(p_n: Position) -> Scalar:
-            assert isinstance(self.speed, ConstantSpeed | SpeedExpression)
+        def alpha(p_n: Position, mu: Position) -> Scalar:
+            assert isinstance(self.speed, ConstantSpeed | SpeedExpression)  # others are given over arc length
             return self.speed.value(path.variables(p_n))
 
         def beta(p_n: Position, mu: Position) -> Scalar:
             travel = (mu[0] * forward, mu[1] * forward, mu[2] * forward)
-            assert not isinstance(self.yaw, YawProfile)
+            assert not isinstance(self.yaw, YawProfile)  # given over arc length
             return self.yaw.value(path.variables(p_n), p_n, travel)
 
         return Specification(path.h, alpha, beta)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from companion.estimation.observer import DRAG_DOUBT, Prior
 from companion.frames import Vec3
 from companion.law.feedback import Bounds
-from companion.law.flight import Law, curve_law, implicit_law, model_of
+from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
 from companion.law.gains import Level, default_gains
 from companion.law.hold import HoldLaw, hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
+from companion.profiles import SpeedProfile, YawProfile
 from companion.steering.encoding import AsRates, as_attitude
 from companion.steering.motors import motor_steering
 from companion.steering.rates import rate_steering
@@ -75,7 +76,14 @@ def prepared(
     bounds = None if vehicle.limits is None else Bounds()
     law: Law
     if isinstance(placed.path, ImplicitPath):
-        law = implicit_law(placed.specification(direction), law_level(level), model_of(vehicle), gains, bounds)
+        over_arc = OverArc(
+            table,
+            placed.speed if isinstance(placed.speed, SpeedProfile) else None,
+            placed.yaw if isinstance(placed.yaw, YawProfile) else None,
+        )
+        law = implicit_law(
+            placed.specification(direction), law_level(level), model_of(vehicle), gains, bounds, over_arc
+        )
     else:
         law = curve_law(
             placed.path, placed.speed, placed.yaw, law_level(level), model_of(vehicle), gains, bounds, direction

@@ -27,7 +27,7 @@ MAY_IMPORT: dict[str, str] = {
     # steering: the range in which the thrust is kept is one of the limits
     "feasibility": "frames fence calculus vehicle paths profiles law allocation mission steering",
     "flight": "vehicle fence",
-    "plan": "frames vehicle paths law mission estimation steering",
+    "plan": "frames vehicle paths profiles law mission estimation steering",
     "pilot": "frames vehicle law paths steering flight plan",
     "mavlink": "frames vehicle",
     "config": "frames fence geodesy calculus vehicle world paths profiles law mission",

@@ -15,12 +15,22 @@ from companion.calculus.expression import parse
 from companion.calculus.scalar import cos, sin
 from companion.calculus.vectors import Vector
 from companion.frames import rotation_from_euler
-from companion.law.flight import Flying, Law, Ramp, curve_law, implicit_law
+from companion.law.flight import Flying, Law, OverArc, Ramp, curve_law, implicit_law
 from companion.law.gains import Gains, Level, from_poles
 from companion.law.implicit import Specification
 from companion.law.motion import Model
 from companion.paths.curve import Curve, analytic
-from companion.profiles import ConstantSpeed, ConstantYaw, LookAt, SpeedExpression, TangentYaw, Yaw, YawExpression
+from companion.profiles import (
+    ConstantSpeed,
+    ConstantYaw,
+    LookAt,
+    SpeedExpression,
+    TangentYaw,
+    Yaw,
+    YawExpression,
+    speed_table,
+    yaw_table,
+)
 
 MODEL = Model(1.7, Vector(0.021, 0.026, 0.039), 9.81, 0.3)
 GAINS = {level: Gains(*(from_poles([-2.0 - 0.3 * i for i in range(n)]) for n in level.degrees)) for level in Level}
@@ -53,7 +63,7 @@ def implicit(h1: str, h2: str, alpha: str, beta: Callable[[Any, Any], Any]) -> S
     def names(p: Any) -> dict[str, Any]:
         return dict(zip(("x", "y", "z"), p, strict=True))
 
-    return Specification(lambda p: (f1(names(p)), f2(names(p))), lambda p: fa(names(p)), beta)
+    return Specification(lambda p: (f1(names(p)), f2(names(p))), lambda p, mu: fa(names(p)), beta)
 
 
 @pytest.mark.parametrize("level", list(Level), ids=lambda level: level.name)
@@ -221,3 +231,21 @@ def test_a_crossing_keeps_its_branch() -> None:
     first, second = law(at._replace(s=one), Ramp()).tangent, law(at._replace(s=two), Ramp()).tangent
     assert first[0] < -0.5
     assert second[0] > 0.5
+
+
+def test_a_table_over_arc_length_on_an_implicit_path() -> None:
+    """On the path and along it, speed and yaw over arc length are those of the same circle as a curve."""
+    spec = implicit("hypot(x, y) - 7", "z + 4", "0", lambda p, mu: 0.0)
+    curve = analytic(lambda u: (7.0 * cos(u), -7.0 * sin(u), -4.0), 0.0, math.tau, True)
+    period = curve.table.length
+    speed = speed_table([(0.0, 2.0), (10.0, 4.0), (25.0, 3.0)], period)
+    yaw = yaw_table([(0.0, 0.2), (12.0, 1.4), (30.0, -0.5)], period)
+    a = implicit_law(spec, Level.RATES, MODEL, GAINS[Level.RATES], None, OverArc(curve.table, speed, yaw))
+    b = curve_law(curve, speed, yaw, Level.RATES, MODEL, GAINS[Level.RATES], None, 1.0)
+    rng = random.Random(6)
+    for _ in range(60):
+        s = rng.uniform(0.0, period)
+        x, T, _ = curve.table.at(s)
+        v = rng.uniform(-4.0, 6.0)
+        flying = random_flying(rng, x, s, 0.0)._replace(v_n=(v * T[0], v * T[1], v * T[2]))
+        assert difference(a, b, flying, Ramp(0.7, 0.2, -0.1)) < 1e-8

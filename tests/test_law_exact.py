@@ -54,7 +54,7 @@ def specification(texts: Sequence[str], constants: Mapping[str, float]) -> Speci
         return {"x": p[0], "y": p[1], "z": p[2], **constants}
 
     return Specification(
-        lambda p: (h1(names(p)), h2(names(p))), lambda p: alpha(names(p)), lambda p, mu: beta(names(p))
+        lambda p: (h1(names(p)), h2(names(p))), lambda p, mu: alpha(names(p)), lambda p, mu: beta(names(p))
     )
 
 

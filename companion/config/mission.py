@@ -15,7 +15,15 @@ from companion.config.faults import ConfigError, Fault
 from companion.config.gains import GainsModel, gains_from
 from companion.config.path_keys import ImplicitModel, PathModel, PlanModel, Point
 from companion.config.places import find, read
-from companion.config.profile_keys import SPEED_MIN, LookAtModel, SpeedModel, YawModel
+from companion.config.profile_keys import (
+    SPEED_MIN,
+    AutoSpeedModel,
+    LookAtModel,
+    SpeedModel,
+    SpeedTableModel,
+    YawModel,
+    YawTableModel,
+)
 from companion.config.profiles import Profiles, known_names
 from companion.config.schema import Strict, validate
 from companion.law.gains import Level
@@ -108,7 +116,12 @@ def bare_mission_from(document: Document, level: Level) -> Mission:
     if not isinstance(model.path, ImplicitModel):
         message = f"{model.path.kind} has no h1 and h2; companion law expects kind: implicit"
         raise ConfigError([document.fault(("path", "kind"), message)])
-    faults: list[Fault] = []
+    faults = [
+        document.fault((key,), "is given over arc length; companion law expects a number or an expression in x, y, z")
+        for key in ("speed", "yaw")
+        if isinstance(getattr(model, key), SpeedTableModel | YawTableModel | AutoSpeedModel)
+        or getattr(model, key) == "auto"
+    ]
     mission = _mission(document, model, level, faults, check=False)
     if faults or mission is None:
         raise ConfigError(faults)

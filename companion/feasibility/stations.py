@@ -98,7 +98,7 @@ def _flowing(mission: Mission, path: ImplicitPath) -> ArrayFunction:
     X = Vector(*tape.inputs("x", "y", "z"))
     whole = mission.specification(mission.direction)
 
-    def unit(p: Position) -> Scalar:
+    def unit(p: Position, mu: Position) -> Scalar:
         return 1.0
 
     specification = Specification(path.h, unit, whole.beta)
@@ -106,7 +106,7 @@ def _flowing(mission: Mission, path: ImplicitPath) -> ArrayFunction:
     derivatives = [coordinate.derivative(k) for k in (1, 2, 3, 4) for coordinate in along]
     alpha, beta = [0.0] * 4, [0.0] * 3
     if mission.speed_over_arc is None and not isinstance(mission.speed, AutoSpeed):
-        alpha = _derivatives(whole.alpha(along), 4)
+        alpha = _derivatives(whole.alpha(along, tangent(specification, along)), 4)
     if mission.yaw_over_arc is None:
         beta = _derivatives(whole.beta(along, tangent(specification, along)), 3)
     return tape.array_function("flowing", [*derivatives, *alpha, *beta, _sine(specification, X)])

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 from companion.calculus.scalar import Scalar
@@ -30,10 +30,11 @@ from companion.law.feedback import (
 )
 from companion.law.flatness import HeadingRate, body_acceleration, body_rates, heading, torques
 from companion.law.gains import Gains, Level
-from companion.law.implicit import Specification, outputs
+from companion.law.implicit import Specification, arc_along, outputs
 from companion.law.motion import Model, Motion, acceleration, jerk
+from companion.paths.arc import ArcTable
 from companion.paths.curve import Curve
-from companion.profiles import ConstantYaw, SpeedOverArc, Yaw, YawExpression, YawProfile
+from companion.profiles import ConstantYaw, SpeedOverArc, Yaw, YawExpression, YawOverArc, YawProfile
 from companion.vehicle import Vehicle
 
 NOWHERE = (0.0, 0.0, 0.0)
@@ -99,14 +100,33 @@ def model_of(vehicle: Vehicle) -> Model:
 
 
 @dataclass(frozen=True, slots=True)
+class OverArc:
+    """Speed and yaw of an implicit path where they are given over arc length (``table`` is the path's); None for what
+    is a function of the position."""
+
+    table: ArcTable
+    speed: SpeedOverArc | None
+    yaw: YawOverArc | None
+
+    def at(self, flying: Flying) -> tuple[float, ...]:
+        """Each and three derivatives over arc length, at the point of the path next to the vehicle."""
+        if self.speed is None and self.yaw is None:
+            return ()
+        s, _ = self.table.nearest(flying.p_n, flying.s)
+        return (*(() if self.speed is None else self.speed.at(s)), *(() if self.yaw is None else self.yaw.at(s)))
+
+
+@dataclass(frozen=True, slots=True)
 class ImplicitLaw:
     """The law for h1 = h2 = 0."""
 
     step: Function
+    over_arc: OverArc | None = None
 
     def __call__(self, flying: Flying, ramp: Ramp) -> Command:
         """See Law."""
-        command = _called(self.step, flying, ramp, ())
+        known = () if self.over_arc is None else self.over_arc.at(flying)
+        command = _called(self.step, flying, ramp, known)
         if command.regularity < REGULARITY_MIN:
             raise LawError(f"singular: the gradients of h1 and h2 are parallel at {place(flying.p_n)}")
         return command
@@ -157,16 +177,25 @@ def place(p_n: Vec3) -> str:
 
 
 def implicit_law(
-    specification: Specification, level: Level, model: Model, gains: Gains, bounds: Bounds | None
-) -> ImplicitLaw:
-    """Records the law of an implicit path. ValueError, ArithmeticError: an expression that is nowhere defined."""
+    specification: Specification, level: Level, model: Model, gains: Gains, bounds: Bounds | None,
+    over_arc: OverArc | None = None,
+) -> ImplicitLaw:  # fmt: skip
+    """Records the law of an implicit path. ``over_arc``: what takes the place of the specification's alpha and beta.
+    ValueError, ArithmeticError: an expression that is nowhere defined."""
     tape = Tape()
     model, motion, factor = inputs(tape, model)
+    if over_arc is not None and over_arc.speed is not None:
+        a = tape.inputs("a0", "a1", "a2", "a3")
+        specification = replace(specification, alpha=lambda p_n, mu: _along(a, arc_along(p_n, mu)))
+    if over_arc is not None and over_arc.yaw is not None:
+        b = tape.inputs("b0", "b1", "b2", "b3")
+        specification = replace(specification, beta=lambda p_n, mu: _along(b, arc_along(p_n, mu)))
     known = outputs(specification, known_motion(level, model, motion), factor)
     wanted = wanted_derivative(known, level, gains, bounds)
     sine = known.grad1.cross(known.grad2).norm() / (known.grad1.norm() * known.grad2.norm())
     told = (*known.mu.components(), known.mu @ motion.V, known.alpha)
-    return ImplicitLaw(finished(tape, level, model, motion, gains, bounds, wanted, told, known.beta, sine))
+    step = finished(tape, level, model, motion, gains, bounds, wanted, told, known.beta, sine)
+    return ImplicitLaw(step, over_arc)
 
 
 def curve_law(

@@ -19,18 +19,17 @@ from companion.calculus.vectors import Vector
 
 Position = tuple[Scalar, Scalar, Scalar]
 PathFunction = Callable[[Position], tuple[Scalar, Scalar]]
-SpeedFunction = Callable[[Position], Scalar]
-YawFunction = Callable[[Position, Position], Scalar]
+Function = Callable[[Position, Position], Scalar]
 
 
 @dataclass(frozen=True, slots=True)
 class Specification:
-    """What is to be flown: h = (h1, h2) of the position (Def. 3.1), alpha of the position (Def. 3.2), beta of the
-    position and the unit tangent mu (Def. 3.3; the paper's beta takes the position only)."""
+    """What is to be flown: h = (h1, h2) of the position (Def. 3.1), alpha (Def. 3.2) and beta (Def. 3.3) of the
+    position and the unit tangent mu (the paper's take the position only)."""
 
     h: PathFunction
-    alpha: SpeedFunction
-    beta: YawFunction
+    alpha: Function
+    beta: Function
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +75,7 @@ def outputs(specification: Specification, derivatives: tuple[Vector, ...], facto
     normal = grad1.cross(grad2)
     mu = normal / normal.norm()
     velocity = Vector(*(coordinate.differentiated() for coordinate in along))
-    alpha = _series(specification.alpha(along), order)
+    alpha = _series(specification.alpha(along, mu.components()), order)
     beta = _series(specification.beta(along, mu.components()), order)
     return Outputs(
         h1=h1.value,
@@ -88,6 +87,14 @@ def outputs(specification: Specification, derivatives: tuple[Vector, ...], facto
         mu=_at_zero(mu),
         alpha=alpha.c[0],
     )
+
+
+def arc_along(p_n: Position, mu: Position) -> Taylor:
+    """The arc length from the present on, s' = mu . V, as a series in time; its highest coefficient lacks the term of
+    the unknown derivative. On the path it is eta's (section IV.B); off it, to first order in the distance."""
+    velocity = [coordinate.differentiated() for coordinate in p_n]
+    speed = mu[0] * velocity[0] + mu[1] * velocity[1] + mu[2] * velocity[2]
+    return Taylor((0.0, *(c / (k + 1) for k, c in enumerate(speed.c))))
 
 
 def _series(value: Scalar, order: int) -> Taylor:

@@ -42,7 +42,7 @@ def flow(specification: Specification, X: Vector, order: int) -> tuple[Taylor, T
     for k in range(order):
         x, y, z = (Taylor(column) for column in zip(*coefficients, strict=True))
         mu = tangent(specification, (x, y, z))
-        alpha = specification.alpha((x, y, z))
+        alpha = specification.alpha((x, y, z), mu)
         speed = [component * alpha for component in mu]
         a, b, c = ((v.c[k] if isinstance(v, Taylor) else v if k == 0 else 0.0) / (k + 1) for v in speed)
         coefficients.append((a, b, c))
