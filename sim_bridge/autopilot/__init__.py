@@ -12,6 +12,10 @@ tilt_watch  whether the vehicle has tipped over
 landing     whether the vehicle is on the ground
 setpoints   offboard setpoints as PX4 reads them
 guidance    what the automatic modes fly
+missions/   missions, geofences, rally points: the protocol, what is refused, what is flown
+mission_watch, orders   the mission beside its flight
+fence_watch whether the vehicle is where it may be
+heading     the turning of the nose
 autopilot   one step: estimate in, motor commands out
 messages    what the vehicle says, message by message
 streams     when it says it

@@ -7,12 +7,15 @@ from companion.geodesy import MapProjection
 from companion.mavlink.modes import Landed, Mode
 from companion.vehicle import Vehicle
 from companion.world import Home
-from sim_bridge.autopilot import parameters
+from sim_bridge.autopilot import mission_watch, parameters
 from sim_bridge.autopilot.battery import Battery, ChargeState
 from sim_bridge.autopilot.commander import MANUAL, READY_AFTER, Commander, Result, Severity, Text
 from sim_bridge.autopilot.contacts import Contacts
+from sim_bridge.autopilot.fence_watch import FenceWatch
 from sim_bridge.autopilot.guidance import Guidance, Throttle
 from sim_bridge.autopilot.landing import LandingDetector
+from sim_bridge.autopilot.missions.flight import MissionFlight
+from sim_bridge.autopilot.missions.store import Store
 from sim_bridge.autopilot.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
 from sim_bridge.autopilot.stick_flight import BY_PLACE_OR_HEIGHT, StickFlight
 from sim_bridge.autopilot.sticks import CENTRED, Deflection, Sticks
@@ -23,6 +26,8 @@ from sim_bridge.plant import Truth
 from sim_bridge.rotors import Four
 from sim_bridge.sensors import Estimate
 
+BY_LEGS = frozenset({Mode.RETURN, Mode.MISSION, Mode.PRECISION_LAND, Mode.DESCEND})
+"""Modes that may come to a landing."""
 SUPERVISION_US = 20_000
 """The period at which timers, landing and the end of modes are looked at."""
 LOW_BATTERY = {
@@ -53,7 +58,11 @@ class Autopilot:
         self.commander = Commander(self.parameters, READY_AFTER)
         self.contacts = Contacts(self.parameters, self.commander)
         self._tilt = TiltWatch(self.parameters)
-        self.guidance = Guidance(self.parameters)
+        self.missions = Store()
+        self.mission = MissionFlight(self.parameters, self.missions, self.projection, home.altitude)
+        self.guidance = Guidance(self.parameters, self.mission)
+        self.fence = FenceWatch(self.parameters, self.missions, self.projection, self.commander)
+        self.mission_checked: tuple[object, ...] = ()
         self.whereabouts = Whereabouts(self.guidance)
         self.cascade = Cascade(vehicle, step)
         self.sticks = Sticks(self.parameters)
@@ -100,9 +109,10 @@ class Autopilot:
         mode = self.commander.mode if self.commander.armed else None
         if self.commander.landed:
             return Landed.ON_GROUND
-        if mode is Mode.TAKEOFF:
+        flies = mode is self._flown  # else the guidance still speaks of the mode before
+        if mode is Mode.TAKEOFF or (mode is Mode.MISSION and flies and self.guidance.is_taking_off):
             return Landed.TAKING_OFF
-        descends = mode is Mode.LAND or (mode is Mode.RETURN and self.guidance.is_landing)
+        descends = mode is Mode.LAND or (mode in BY_LEGS and flies and self.guidance.is_landing)
         return Landed.LANDING if descends else Landed.IN_AIR
 
     def control(self) -> Four | None:
@@ -119,7 +129,7 @@ class Autopilot:
         if commander.mode in MANUAL:
             return self._fly_by_stick(now)
         if cascade.wants_target:
-            on_ground = commander.landed or (commander.mode is Mode.TAKEOFF and self._stands)
+            on_ground = commander.landed or (self.guidance.is_taking_off and self._stands)
             wanted = self.guidance.step(now, self.t, on_ground, self._landing.touching, cascade.position_step)
             if isinstance(wanted, Throttle):
                 return self._open_throttle(now, wanted)
@@ -164,14 +174,22 @@ class Autopilot:
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
         self._gather(estimate)
+        mission_watch.look_after(self)
         commander.update(self.t)
         self.whereabouts.update(estimate, commander.armed, commander.landed)
+
+    @property
+    def home_altitude(self) -> float:
+        """m above the sea."""
+        return self.home.altitude - self.guidance.home_n[2]
 
     def _gather(self, estimate: Estimate) -> None:
         """Bring the commander's facts up to date."""
         commander, facts = self.commander, self.commander.facts
         self.battery.update(SUPERVISION_US * 1e-6, commander.armed)
         self.contacts.update(self.t)
+        known = self.whereabouts.home_set_us is not None
+        self.fence.update(self.t, estimate.p_n, self.guidance.home_n if known else None)
         if self.battery.state is not facts.charge:
             facts.charge = self.battery.state
             if facts.charge in LOW_BATTERY:

@@ -146,8 +146,8 @@ class Commander:
         self.update(t)
         return Result.ACCEPTED
 
-    def request_arming(self, arm: bool, force: bool, t: float) -> Result:
-        """Somebody asks to arm or disarm."""
+    def request_arming(self, arm: bool, force: bool, t: float, by: str = "external command") -> Result:
+        """Somebody asks to arm or disarm. ``by``: how they ask."""
         if arm == self.armed:
             return Result.ACCEPTED
         if arm:
@@ -155,7 +155,7 @@ class Commander:
                 return Result.TEMPORARILY_REJECTED
             self.armed, self.armed_at, self.has_flown = True, t, not self.landed
             self.facts.offboard_lost = self.mode is Mode.OFFBOARD and not self.can_run(Mode.OFFBOARD, t)
-            self.say(Severity.INFO, "Armed by external command\t")
+            self.say(Severity.INFO, f"Armed by {by}\t")
             return Result.ACCEPTED
         if not self.landed and not force:
             self.say(Severity.CRITICAL, "Disarming denied: not landed\t")
@@ -176,6 +176,11 @@ class Commander:
     def takeoff_is_over(self) -> None:
         """A take-off has reached its height."""
         if self.intent is Mode.TAKEOFF:
+            self._intend(Mode.HOLD)
+
+    def mission_is_over(self) -> None:
+        """The last item of the mission has been flown, in the air."""
+        if self.intent is Mode.MISSION:
             self._intend(Mode.HOLD)
 
     def setpoint_arrived(self, t: float) -> None:

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.modes import Mode
+from sim_bridge.autopilot.heading import Nose
+from sim_bridge.autopilot.missions.flight import Leg, MissionFlight
 from sim_bridge.autopilot.parameters import Parameters
-from sim_bridge.control.position import Target
+from sim_bridge.control.position import Axes, Target
 from sim_bridge.control.reference import Pace, Reference, along, towards
 from sim_bridge.sensors import Estimate
 
@@ -44,13 +46,15 @@ class Guidance:
     ``takeoff_to``: the height (m down in NED) of the next take-off, where the command says one.
     """
 
-    def __init__(self, parameters: Parameters, home_n: Vec3 = (0.0, 0.0, 0.0)) -> None:
+    def __init__(self, parameters: Parameters, mission: MissionFlight, home_n: Vec3 = (0.0, 0.0, 0.0)) -> None:
         self._parameters = parameters
+        self._mission = mission
         self.home_n = home_n
         self.takeoff_to: float | None = None
         self._mode = Mode.HOLD
         self._reference = Reference(home_n, (0.0, 0.0, 0.0))
-        self._heading = 0.0
+        self._nose = Nose(parameters)
+        self._heading: float | None = None  # what the nose is to point at; None: where it goes
         self._place: Vec3 | None = None  # where the reference is led; None: to a stop
         self._opened_at: float | None = None
         self._climbing = self._landing = False
@@ -64,12 +68,15 @@ class Guidance:
 
     def enter(self, mode: Mode, now: Estimate) -> None:
         """Begin a mode from where the vehicle is and as fast as it moves."""
-        goes_on = mode is Mode.HOLD and self.takeoff_is_over(now)  # on to the very height of the take-off
+        # on to the very height of the take-off, to the very end of the mission
+        at_the_end = self._mode is Mode.MISSION and self._mission.finished and not self._landing
+        goes_on = mode is Mode.HOLD and (self.takeoff_is_over(now) or at_the_end)
         self._mode = mode
         if goes_on:
             return
         self._reference = Reference(now.p_n, now.v_n)
-        self._heading = euler_from_rotation(rotation_matrix(now.q_nb))[0]
+        self._nose.point(euler_from_rotation(rotation_matrix(now.q_nb))[0])
+        self._heading = None
         self._place = None
         self._opened_at = None
         self._climbing, self._landing = mode is Mode.RETURN, mode in DOWN_AT_ONCE
@@ -78,6 +85,9 @@ class Guidance:
             top = self.home_n[2] - self._parameters["MIS_TAKEOFF_ALT"] if self.takeoff_to is None else self.takeoff_to
             self._place = (north, east, min(top, down))
             self.takeoff_to = None
+        elif mode is Mode.MISSION:
+            self.cruise_speed = None
+            self._mission.begin(now)
         elif mode is Mode.RETURN:
             self._place = (north, east, self.home_n[2] - self.return_height(now))
 
@@ -91,14 +101,18 @@ class Guidance:
             self._place = None  # stop here
         else:
             self._place = (*(before[:2] if level is None else level), before[2] if down is None else down)
-        if heading is not None:
-            self._heading = heading
+        self._heading = heading
         self.cruise_speed = speed
 
     @property
     def is_landing(self) -> bool:
         """Whether the vehicle is on its way down to the ground."""
         return self._landing
+
+    @property
+    def is_taking_off(self) -> bool:
+        """Whether the vehicle is on its way up from the ground."""
+        return self._mode is Mode.TAKEOFF or (self._mode is Mode.MISSION and self._climbing)
 
     def takeoff_is_over(self, now: Estimate) -> bool:
         """Whether a take-off has reached its height."""
@@ -123,22 +137,43 @@ class Guidance:
         return wanted
 
     def _wanted(self, now: Estimate, t: float, on_ground: bool, touching: bool, step: float) -> Target | Throttle:
+        if self._mode is Mode.MISSION:
+            self._follow(self._mission.leg(now, t, on_ground))
         if on_ground:
             self._reference = Reference(now.p_n, (0.0, 0.0, 0.0))
-            return self._open_throttle(t) if self._mode is Mode.TAKEOFF else Throttle(0.0)
+            return self._open_throttle(t) if self.is_taking_off else Throttle(0.0)
+        self._turn(now, step)
         if self._landing:
             if touching:
                 return Throttle(CLOSED_OF_HOVER)
             self._reference = self._sunk(now, step)
             north, east, _ = self._reference.p_n
-            return Target((north, east, None), self._reference.v_n, self._heading, self._reference.a_n)
+            return self._target((north, east, None))
         if self._mode is Mode.RETURN:
             self._next_leg(now)
         pace = self._pace
-        if self._mode is Mode.TAKEOFF:
+        if self.is_taking_off:
             pace = pace._replace(climb=self._parameters["MPC_TKO_SPEED"])
         self._reference = self._led(pace, step)
-        return Target(self._reference.p_n, self._reference.v_n, self._heading, self._reference.a_n)
+        return self._target(self._reference.p_n)
+
+    def _target(self, position: Axes) -> Target:
+        moves = self._reference
+        return Target(position, moves.v_n, self._nose.heading, moves.a_n, self._nose.rate)
+
+    def _follow(self, leg: Leg) -> None:
+        """Of a mission: go on with what it says."""
+        self._place, self._heading = leg.place, leg.heading
+        self._climbing, self._landing = leg.takes_off, leg.lands
+
+    def _turn(self, now: Estimate, step: float) -> None:
+        """The nose a little nearer to where it is to point, or to where the vehicle goes if that is far enough."""
+        wanted = self._heading
+        if wanted is None and self._place is not None:
+            north, east = self._place[0] - now.p_n[0], self._place[1] - now.p_n[1]
+            if math.hypot(north, east) > self._parameters["NAV_ACC_RAD"]:
+                wanted = math.atan2(east, north)
+        self._nose.turn(self._nose.heading if wanted is None else wanted, step)
 
     @property
     def _pace(self) -> Pace:

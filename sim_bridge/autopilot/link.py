@@ -13,6 +13,7 @@ from sim_bridge.autopilot.commands import NOT_GIVEN, SET_MODE, Command, execute,
 from sim_bridge.autopilot.commands.parts import GROUND_STATION_COMPONENT
 from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
 from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
+from sim_bridge.autopilot.missions.protocol import MissionLink
 from sim_bridge.autopilot.parameter_link import ParameterLink
 from sim_bridge.autopilot.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
 from sim_bridge.autopilot.sticks import MANUAL_CONTROL, deflection
@@ -53,6 +54,7 @@ class Link:
         self._streams = streams
         self._encoder = Encoder(SYSTEM, COMPONENT)
         self._parameters = ParameterLink(autopilot.parameters, SYSTEM, self.emit)
+        self._missions = MissionLink(autopilot.missions, autopilot.mission, SYSTEM, self.emit, self.say)
         self._builders = BUILDERS | {_LINK_NODE_STATUS.id: (_LINK_NODE_STATUS, self._link_node_status)}
         self._editions: dict[int, object] = {}
         self._texts = 0
@@ -76,6 +78,7 @@ class Link:
             parameter_link.READ.id: self._parameters.read,
             parameter_link.LIST.id: self._parameters.list,
             parameter_link.SET.id: self._parameters.set,
+            **self._missions.handlers,
         }
 
     @property
@@ -115,6 +118,7 @@ class Link:
         if now_us >= self._poll_at_us:
             self._poll_at_us = now_us + POLL_US
             self._parameters.poll(now_us)
+            self._missions.poll(now_us)
 
     def emit(self, fmt: Format, values: tuple[Value, ...]) -> None:
         """Queue a message."""

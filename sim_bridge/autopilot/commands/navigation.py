@@ -7,8 +7,10 @@ import math
 from companion.frames import Vec3, quaternion_from_euler
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander import Result
+from sim_bridge.autopilot.commander import Result, Severity
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire
+from sim_bridge.autopilot.missions.store import Kind
+from sim_bridge.autopilot.orders import change_speed, look_at
 
 CHANGE_SPEED, SET_HOME, CHANGE_ALTITUDE, LAND_START, GO_AROUND, REPOSITION = (
     178,
@@ -19,6 +21,8 @@ CHANGE_SPEED, SET_HOME, CHANGE_ALTITUDE, LAND_START, GO_AROUND, REPOSITION = (
     192,
 )  # MAV_CMD_DO_*
 REGIONS_OF_INTEREST = (80, 195, 196, 197, 201)  # MAV_CMD_NAV_ROI, DO_SET_ROI_*
+MISSION_START, SET_MISSION_CURRENT = 300, 224
+ROI_PLACE = 195
 CHANGE_MODE = 1
 """MAV_DO_REPOSITION_FLAGS_CHANGE_MODE: the only one PX4 takes, and it must be there."""
 
@@ -76,10 +80,45 @@ def _change_altitude(command: Command, autopilot: Autopilot, wire: Wire) -> Resu
 
 
 def _change_speed(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
-    """The cruise speed (m/s) of the automatic modes; not positive: the usual one again."""
-    speed = command.parameters[1]
-    autopilot.guidance.cruise_speed = speed if math.isfinite(speed) and speed > 0.0 else None
+    change_speed(command.parameters[1], autopilot)
     return Result.ACCEPTED
+
+
+def _look(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    """A region of interest: a place, or none. It counts while a mission is flown."""
+    *_, latitude, longitude, altitude = command.parameters
+    if command.id == ROI_PLACE:
+        look_at(latitude, longitude, altitude, autopilot)
+    else:
+        autopilot.mission.interest = None
+    return Result.ACCEPTED
+
+
+def _start_mission(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    """Arm and fly the mission from an item on; -1: from the current one."""
+    commander, first = autopilot.commander, command.parameters[0]
+    if commander.facts.mission_missing:
+        commander.say(Severity.CRITICAL, "Mission start denied! No valid mission\t")
+        return Result.DENIED
+    if not -1.0 <= first < len(autopilot.missions.items[Kind.MISSION]):
+        return Result.DENIED
+    result = autopilot.request_mode(Mode.MISSION)
+    if result is Result.ACCEPTED:
+        result = commander.request_arming(True, False, autopilot.t, by="mission start")
+    if result is Result.ACCEPTED and first >= 0.0:
+        autopilot.missions.set_current(int(first))
+    return result
+
+
+def _set_mission_current(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    index, resets = command.parameters[:2]
+    if not index >= -1.0 or not math.isfinite(index) or resets not in (0.0, 1.0):
+        return Result.DENIED
+    if autopilot.commander.facts.mission_missing:
+        return Result.FAILED
+    if resets:
+        autopilot.mission.forget_jumps()
+    return Result.ACCEPTED if index < 0.0 or autopilot.missions.set_current(int(index)) else Result.FAILED
 
 
 def _land_start(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
@@ -97,5 +136,7 @@ HANDLERS: dict[int, Handler] = {
     LAND_START: _land_start,
     GO_AROUND: _accept,
     REPOSITION: _reposition,
-    **dict.fromkeys(REGIONS_OF_INTEREST, _accept),
+    MISSION_START: _start_mission,
+    SET_MISSION_CURRENT: _set_mission_current,
+    **dict.fromkeys(REGIONS_OF_INTEREST, _look),
 }

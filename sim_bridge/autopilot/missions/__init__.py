@@ -1,0 +1,9 @@
+"""Missions, geofences and rally points: taken in over MAVLink, kept, checked, flown.
+
+items      one item: from the wire, to the wire, its share in the list's id
+store      the three lists and which mission item is current
+protocol   the mission protocol on one link
+checks     what PX4 refuses to fly
+fence      inside or outside
+flight     the items one after another
+"""

@@ -1,0 +1,49 @@
+"""What PX4 refuses to fly, found when a mission comes in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from sim_bridge.autopilot.missions.items import RELATIVE, Command, Item
+
+VTOL = {84, 85, 3000}
+
+
+def fault_of(
+    items: Sequence[Item],
+    *,
+    home_is_known: bool,
+    home_altitude: float,
+    landed: bool,
+    may_be_at: Callable[[float, float, float], bool],
+) -> str | None:
+    """The text a mission is refused with; None: it can be flown.
+
+    ``home_altitude``: m above the sea; ``may_be_at``: whether the geofence allows a latitude, longitude (degrees) and
+    altitude (m above the sea).
+    """
+    if not home_is_known:
+        return "Not yet ready for mission, no position lock.\t"
+    found_place = False
+    for number, item in enumerate(items, 1):
+        if item.command == Command.LAND and number == 1 and landed:
+            return "Mission rejected: starts with landing\t"
+        if item.command == Command.TAKEOFF:
+            if altitude_of(item, 0.0) - (0.0 if item.frame == RELATIVE else home_altitude) < 1e-6:
+                return "Mission rejected: Takeoff altitude below home altitude!\t"
+            if found_place:
+                return "Mission rejected: takeoff not first waypoint item\t"
+        if item.command in VTOL:
+            return "Mission rejected: Mission contains VTOL items but vehicle is not a VTOL\t"
+        found_place |= item.has_place
+    for number, item in enumerate(items, 1):
+        if item.has_place and not may_be_at(item.x, item.y, altitude_of(item, home_altitude)):
+            return f"Geofence violation for waypoint {number}\t"
+    return None
+
+
+def altitude_of(item: Item, home_altitude: float) -> float:
+    """m above the sea."""
+    height = item.z if math.isfinite(item.z) else 0.0
+    return height + home_altitude if item.frame == RELATIVE else height

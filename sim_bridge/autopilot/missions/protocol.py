@@ -1,0 +1,323 @@
+"""The mission protocol on one link, as PX4 speaks it: upload, download, clear, current, and what goes wrong."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+from companion.mavlink.codec import Frame
+from companion.mavlink.dialect import Format, Value, message
+from sim_bridge.autopilot.commander import Severity, Text
+from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, Answer, Command, Item, checksum, read, values
+from sim_bridge.autopilot.missions.store import ALL, MOST, Kind, Store
+
+GIVE_UP_US, AGAIN_US = 5_000_000, 250_000
+"""us of silence after which a transfer is given up, and after which the partner is asked again."""
+TELL_US = 1_000_000
+"""The period of MISSION_CURRENT."""
+REACHED_AGAIN = 10
+"""How many times it is told again that an item was reached."""
+OUR_COMPONENTS = (0, 1, 190)
+NONE_TOTAL = 65535
+TOO_FEW_CORNERS = 3
+_NOT_A_MISSION = {5001, 5002, 5003, 5004, 5100}
+
+_ACK, _CLEAR, _COUNT, _CURRENT = (message(f"MISSION_{name}") for name in ("ACK", "CLEAR_ALL", "COUNT", "CURRENT"))
+_LIST, _REQUEST, _REQUEST_INT = (message(f"MISSION_REQUEST{name}") for name in ("_LIST", "", "_INT"))
+_REACHED, _SET_CURRENT = message("MISSION_ITEM_REACHED"), message("MISSION_SET_CURRENT")
+
+Send = Callable[[Format, tuple[Value, ...]], None]
+
+
+class State(enum.Enum):
+    """What a link is in the middle of."""
+
+    IDLE = enum.auto()
+    RECEIVING = enum.auto()
+    SENDING = enum.auto()
+
+
+class Progress(Protocol):
+    """How far the flight of the mission has come."""
+
+    @property
+    def reached(self) -> int:
+        """The last item reached; -1 none."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether the last item has been flown."""
+
+    @property
+    def state(self) -> int:
+        """MISSION_STATE."""
+
+    @property
+    def is_flown(self) -> bool:
+        """Whether the mission is being flown now."""
+
+
+class MissionLink:
+    """One link's side, of the vehicle with system id ``system``. ``send`` and ``say`` go out on this link."""
+
+    def __init__(
+        self, store: Store, progress: Progress, system: int, send: Send, say: Callable[[Text], None]
+    ) -> None:  # fmt: skip
+        self._store, self._progress, self._system = store, progress, system
+        self._send, self._say = send, say
+        self._state = State.IDLE
+        self._kind = 0
+        self._partner = (0, 0)
+        self._items: list[Item] = []
+        self._id = 0
+        self._expected = self._count = 0
+        self._current: int | None = None
+        self._whole = True
+        self._now = self._heard_us = self._sent_us = self._tell_at_us = 0
+        self._told: tuple[int, bool] = (0, False)
+        self._reached, self._reached_again = -1, 0
+        self.handlers: Mapping[int, Callable[[Frame], None]] = {
+            _ACK.id: self._acknowledged,
+            _CLEAR.id: self._clear,
+            _COUNT.id: self._counted,
+            _LIST.id: self._list,
+            _REQUEST.id: self._requested,
+            _REQUEST_INT.id: self._requested,
+            _SET_CURRENT.id: self._set_current,
+            ITEM.id: self._item,
+            ITEM_INT.id: self._item,
+        }
+
+    def poll(self, now_us: int) -> None:
+        """Tell how the mission goes and look after transfers. To be called every 10 ms."""
+        self._now = now_us
+        told = (self._store.current, self._progress.finished)
+        if told != self._told:
+            self._told = told
+            self._tell_current()
+        if self._progress.reached != self._reached:
+            self._reached, self._reached_again = self._progress.reached, REACHED_AGAIN
+            if self._reached >= 0:
+                self._send(_REACHED, _REACHED.values(seq=self._reached))
+        elif now_us >= self._tell_at_us:
+            self._tell_at_us = now_us + TELL_US
+            self._tell_current()
+            if self._reached >= 0 and self._reached_again > 0:
+                self._reached_again -= 1
+                self._send(_REACHED, _REACHED.values(seq=self._reached))
+        if self._state is State.IDLE:
+            return
+        if now_us - self._heard_us > GIVE_UP_US:
+            self._complain("Mission sync timeout\t")
+            self._finish()
+        elif now_us - self._sent_us > AGAIN_US:
+            if self._state is State.RECEIVING:
+                self._ask()
+            elif self._expected == 0:
+                self._tell_count()
+
+    def _is_ours(self, said: Mapping[str, Value]) -> bool:
+        return said["target_system"] == self._system and said["target_component"] in OUR_COMPONENTS
+
+    def _list(self, frame: Frame) -> None:
+        said = frame.format.named(frame.values)
+        if not self._is_ours(said):
+            return
+        sender, kind = (frame.system, frame.component), said["mission_type"]
+        if self._state is State.SENDING and self._expected == len(self._list_of(self._kind)):
+            self._state = State.IDLE  # all was sent; the acknowledgement may have been lost
+        again = self._state is State.SENDING and (self._kind, self._partner) == (kind, sender)
+        if self._state is not State.IDLE and not again:
+            self._say(Text(Severity.INFO, "Mission download request ignored, already active\t"))
+            return
+        self._heard_us, self._state, self._kind, self._partner = self._now, State.SENDING, kind, sender
+        self._expected, self._count = 0, len(self._list_of(kind))
+        self._tell_count()
+
+    def _requested(self, frame: Frame) -> None:
+        said = frame.format.named(frame.values)
+        if not self._is_ours(said):
+            return
+        self._whole = frame.format is _REQUEST_INT
+        if (frame.system, frame.component) != self._partner:
+            self._complain("WPM: REJ. CMD: partner id mismatch\t")
+        elif self._state is State.RECEIVING:
+            self._complain("WPM: REJ. CMD: Busy\t")
+        elif self._state is State.SENDING and said["mission_type"] == self._kind:
+            self._heard_us = self._now
+            asked, items = said["seq"], self._list_of(self._kind)
+            if asked == self._expected < self._count:
+                self._expected += 1
+            elif asked != self._expected - 1:
+                asked = len(items)
+            if asked < len(items):
+                self._tell_item(asked, items[asked])
+            else:
+                self._state = State.IDLE
+                self._acknowledge(self._partner, Answer.ERROR)
+                self._complain("WPM: REJ. CMD: Req. WP was unexpected\t")
+
+    def _acknowledged(self, frame: Frame) -> None:
+        said = frame.format.named(frame.values)
+        if not self._is_ours(said):
+            return
+        if (frame.system, frame.component) != self._partner:
+            self._complain("REJ. WP CMD: partner id mismatch\t")
+        elif self._state is State.SENDING and said["mission_type"] == self._kind:
+            self._state = State.IDLE
+        elif self._state is State.RECEIVING:
+            if said["type"] == Answer.UNSUPPORTED:  # the partner speaks the other kind of item
+                self._whole = not self._whole
+                self._ask()
+            elif said["type"] == Answer.CANCELLED:
+                self._finish()
+
+    def _counted(self, frame: Frame) -> None:
+        said = frame.format.named(frame.values)
+        if not self._is_ours(said):
+            return
+        sender, count = (frame.system, frame.component), said["count"]
+        if self._state is State.RECEIVING:
+            self._heard_us = self._now
+            if sender != self._partner:
+                self._acknowledge(sender, Answer.ERROR)
+            elif self._expected > 0:
+                self._complain("WPM: REJ. CMD: Busy\t")
+                self._acknowledge(sender, Answer.ERROR)
+            else:
+                self._ask()
+            return
+        if self._state is State.SENDING:
+            self._complain("WPM: IGN MISSION_COUNT: Busy\t")
+            self._acknowledge(sender, Answer.ERROR)
+            return
+        self._heard_us = self._now
+        if self._store.transferring:  # on another link
+            self._acknowledge(sender, Answer.ERROR)
+            return
+        self._partner, self._kind, self._id, self._reached = sender, said["mission_type"], 0, -1
+        if self._kind not in tuple(Kind):
+            self._acknowledge(sender, Answer.INVALID if count else Answer.ACCEPTED)
+        elif count > MOST[Kind(self._kind)]:
+            self._acknowledge(sender, Answer.NO_SPACE)
+        elif count == 0:
+            self._store.clear(Kind(self._kind))
+            self._acknowledge(sender, Answer.ACCEPTED)
+        else:
+            self._state, self._store.transferring = State.RECEIVING, True
+            self._expected, self._count, self._items, self._current = 0, count, [], None
+            self._ask()
+
+    def _item(self, frame: Frame) -> None:
+        said = frame.format.named(frame.values)
+        if not self._is_ours(said):
+            return
+        self._whole = frame.format is ITEM_INT
+        if (frame.system, frame.component) != self._partner:
+            self._complain("REJ. MIS ITEM: partner id mismatch\t")
+        elif said["mission_type"] != self._kind:
+            self._acknowledge(self._partner, Answer.ERROR)
+        elif self._state is State.SENDING:
+            self._complain("IGN MISSION_ITEM: Busy\t")
+            self._acknowledge(self._partner, Answer.ERROR)
+        elif self._state is State.IDLE:
+            if self._expected == said["seq"] + 1:  # the last one again: our acknowledgement was lost
+                self._acknowledge(self._partner, Answer.ACCEPTED, self._id)
+            else:
+                self._complain("IGN MISSION_ITEM: No transfer\t")
+                self._acknowledge(self._partner, Answer.ERROR)
+        else:
+            self._heard_us = self._now
+            if said["seq"] == self._expected:
+                self._take(frame, said["current"])
+
+    def _take(self, frame: Frame, current: int) -> None:
+        """The item that was asked for."""
+        item = read(frame)
+        if isinstance(item, Answer):
+            self._complain("IGN MISSION_ITEM: Invalid item\t")
+            self._acknowledge(self._partner, item)
+            self._finish()
+            return
+        polygon = item.command in (Command.POLYGON_INSIDE, Command.POLYGON_OUTSIDE)
+        misplaced = self._kind == Kind.MISSION and item.command in _NOT_A_MISSION
+        if misplaced or (self._kind == Kind.FENCE and polygon and item.params[0] < TOO_FEW_CORNERS):
+            self._acknowledge(self._partner, Answer.ERROR)
+            self._finish()
+            return
+        self._id = checksum(frame, self._id)
+        self._items.append(item)
+        if current:
+            self._current = self._expected
+        self._expected += 1
+        if self._expected < self._count:
+            self._ask()
+            return
+        self._store.put(Kind(self._kind), tuple(self._items), self._id, self._current)
+        self._finish()
+        self._acknowledge(self._partner, Answer.ACCEPTED, self._id)
+
+    def _clear(self, frame: Frame) -> None:
+        said = frame.format.named(frame.values)
+        if not self._is_ours(said):
+            return
+        if self._state is not State.IDLE:
+            self._complain("WPM: IGN CLEAR CMD: Busy\t")
+            return
+        self._kind = said["mission_type"]
+        for kind in Kind:
+            if self._kind in (kind, ALL):
+                self._store.clear(kind)
+        self._acknowledge((frame.system, frame.component), Answer.ACCEPTED)
+
+    def _set_current(self, frame: Frame) -> None:
+        said = frame.format.named(frame.values)
+        if not self._is_ours(said):
+            return
+        if self._state is not State.IDLE:
+            self._complain("WPM: IGN WP CURR CMD: Busy\t")
+        elif not self._store.set_current(said["seq"]):
+            self._complain("WPM: WP CURR CMD: Not in list\t")
+
+    def _list_of(self, kind: int) -> tuple[Item, ...]:
+        return self._store.items[Kind(kind)] if kind in tuple(Kind) else ()
+
+    def _finish(self) -> None:
+        if self._state is State.RECEIVING:
+            self._store.transferring = False
+        self._state = State.IDLE
+
+    def _ask(self) -> None:
+        """For the next item."""
+        self._sent_us = self._now
+        fmt = _REQUEST_INT if self._whole else _REQUEST
+        self._send(fmt, fmt.values(seq=self._expected, **self._to(self._partner)))
+
+    def _tell_count(self) -> None:
+        self._sent_us = self._now
+        identity = self._store.ids[Kind(self._kind)] if self._kind in tuple(Kind) else 0
+        self._send(_COUNT, _COUNT.values(count=self._count, opaque_id=identity, **self._to(self._partner)))
+
+    def _tell_item(self, index: int, item: Item) -> None:
+        self._sent_us = self._now
+        others = {"seq": index, "current": int(self._store.current == index)} | self._to(self._partner)
+        self._send(ITEM_INT if self._whole else ITEM, values(item, self._whole, others))
+
+    def _tell_current(self) -> None:
+        store, progress = self._store, self._progress
+        total = len(store.items[Kind.MISSION])
+        self._send(_CURRENT, _CURRENT.values(
+            seq=store.current, total=total or NONE_TOTAL, mission_state=progress.state,
+            mission_mode=1 if progress.is_flown else 2, mission_id=store.ids[Kind.MISSION],
+            fence_id=store.ids[Kind.FENCE], rally_points_id=store.ids[Kind.RALLY],
+        ))  # fmt: skip
+
+    def _acknowledge(self, to: tuple[int, int], answer: Answer, identity: int = 0) -> None:
+        self._send(_ACK, _ACK.values(type=answer.value, opaque_id=identity, **self._to(to)))
+
+    def _to(self, whom: tuple[int, int]) -> dict[str, Value]:
+        return {"target_system": whom[0], "target_component": whom[1], "mission_type": self._kind & 0xFF}
+
+    def _complain(self, text: str) -> None:
+        self._say(Text(Severity.CRITICAL, text))
