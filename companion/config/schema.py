@@ -121,9 +121,8 @@ def _key_in(document: Document, loc: tuple[str | int, ...], missing: bool) -> Ke
     """The part of pydantic's location that is keys of the file; pydantic also puts union branches in it."""
     key: Key = ()
     for part in loc:
-        if (*key, part) in document.lines:
-            key = (*key, part)
-        elif missing and part == loc[-1] and isinstance(part, str) and isinstance(_at(document.data, key), dict):
+        absent = missing and part == loc[-1] and isinstance(part, str) and isinstance(_at(document.data, key), dict)
+        if absent or (*key, part) in document.lines:
             key = (*key, part)
     return key
 
