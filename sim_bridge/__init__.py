@@ -3,12 +3,19 @@
  datagrams ─► bridge ─► autopilot ─► motor commands ─► plant ─► truth ─► sensors ─► estimate ─► streams ─► datagrams
 
 The machine
-    rotors        command to thrust, thrust to torque, the motors' lag
+    rotors        command to thrust, thrust to torque, the motors' lag or the rotors' own motion
+    battery       voltage and current, and what they leave of the thrust
     rigid_body    the derivative of the motion, summed rotor by rotor
     integrate     fixed-step Runge-Kutta
-    environment   air and ground
+    environment   the ground, and hands that hold
+    chance        processes with a memory
+    gusts         Dryden's turbulence
     plant         all of it, one step at a time
     sensors       truth to the estimate the autopilot flies by
+What happens
+    script        a world's events by the clock
+    happenings    what they do to machine, estimate, messages and links
+    passage       what becomes of datagrams on their way
 The stand-in PX4
     control/      rate, attitude and position loops, mixing
     autopilot/    arming, modes, offboard, landing; streams, commands, links

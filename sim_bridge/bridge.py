@@ -11,19 +11,20 @@ from __future__ import annotations
 
 import math
 import random
-from collections import deque
 
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.codec import Counters, Frame
 from companion.vehicle import MotorInterface, Vehicle
 from companion.world import Start, World
-from sim_bridge import sensors
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.link import COMPONENT, SYSTEM, Link
 from sim_bridge.autopilot.messages import Values
 from sim_bridge.autopilot.streams import GROUND_STATION, ONBOARD, Boot, Streams
 from sim_bridge.control.position import Target
+from sim_bridge.happenings import WorldEvents
+from sim_bridge.passage import Passage
 from sim_bridge.plant import OFF, Plant, Truth
+from sim_bridge.sensors import Sensors, exact
 
 FAST_STATE = 250.0
 """Hz. A vehicle that is asked for its state more often than this steps at 1 ms instead of PX4's 4 ms."""
@@ -57,11 +58,14 @@ class Bridge:
         self.step_s = 1.0 / self._per_second
         self._step_us = 1_000_000 // self._per_second
         self._count = 0
-        self._rng = random.Random(seed)
-        self._memory = sensors.Memory()
         self.direct = direct or vehicle.motors is MotorInterface.DIRECT
-        self.plant = Plant(vehicle, world, self._per_second)
+        # Each chance has its own source, so that a world with one more of them keeps the others as they were.
+        self.plant = Plant(vehicle, world, self._per_second, random.Random(f"{seed} gusts"))
+        self._sensors = Sensors(world.estimate, self.step_s, random.Random(f"{seed} estimate"))
+        self.world_events = WorldEvents(world.events, self.plant, self._sensors)
         weight, lift = self.plant.vehicle.weight, self.plant.vehicle.thrust_max
+        if self.plant.cells is not None:
+            lift *= self.plant.cells.strength
         if weight >= lift:
             message = (
                 f"{vehicle.name} in world {world.name} weighs {weight:.4g} N and its rotors lift {lift:.4g} N at most"
@@ -71,7 +75,7 @@ class Bridge:
             self.plant.vehicle,
             world.home,
             self.step_s,
-            self._observe(self.plant.truth),
+            self._sensors.observe(self.plant.truth),
             self.plant.truth,
             direct=self.direct,
         )
@@ -83,10 +87,9 @@ class Bridge:
             Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot))
             for rates in (ONBOARD, GROUND_STATION)[:endpoints]
         ]
-        self._delay_up_us = round(world.link.up.delay * 1e6)
-        self._delay_down_us = round(world.link.down.delay * 1e6)
-        self._arriving: deque[tuple[int, int, bytes]] = deque()
-        self._leaving: deque[tuple[int, int, bytes]] = deque()
+        self._up = Passage(world.link.up, random.Random(f"{seed} up")) if world.link.up else None
+        self._down = Passage(world.link.down, random.Random(f"{seed} down")) if world.link.down else None
+        self._leaving: list[tuple[int, bytes]] = []
         self.log: list[str] = []
         self._noted = ("", 0.0)
         self._logged = self.autopilot.commander.mode
@@ -114,14 +117,12 @@ class Bridge:
     def step(self) -> None:
         """Let one step pass."""
         now_us = self._count * self._step_us
-        while self._arriving and self._arriving[0][0] <= now_us:
-            _, endpoint, datagram = self._arriving.popleft()
-            self._deliver(datagram, endpoint)
+        if self._up is not None:
+            for endpoint, datagram in self._up.arrived(now_us):
+                self._deliver(datagram, endpoint)
         self._count += 1
         if not self._held:
-            self.plant.step(self.autopilot.control())
-            truth = self.plant.truth
-            self.autopilot.observe(self._observe(truth), truth)
+            self._pass()
         self._tell()
         now_us += self._step_us
         built: dict[int, Values | None] = {}  # what one link has just said is said to the other too
@@ -130,21 +131,34 @@ class Bridge:
             if link.outbox:
                 self._send(endpoint, link)
 
+    def _pass(self) -> None:
+        """A step in which the vehicle's own time passes."""
+        events, plant = self.world_events, self.plant
+        if events:
+            events.look(plant.truth.t_boot, self.autopilot.offboard_flown)
+            alter = events.altered if events.alters else None
+            for link in self.links:
+                link.alter = alter
+        plant.step(self.autopilot.control())
+        truth = plant.truth
+        if plant.cells is not None:
+            self.autopilot.battery.measure(plant.cells.voltage, plant.cells.current, plant.cells.charge)
+        self.autopilot.observe(self._sensors.observe(truth), truth)
+
     def receive(self, datagram: bytes, endpoint: int = 0) -> None:
-        """A datagram arrives at an endpoint, now."""
-        if self._delay_up_us:
-            self._arriving.append((self._count * self._step_us + self._delay_up_us, endpoint, datagram))
+        """A datagram is sent to an endpoint, now."""
+        if endpoint in self.world_events.cut_up:
+            return
+        if self._up is not None:
+            self._up.send(self._count * self._step_us, endpoint, datagram)
         else:
             self._deliver(datagram, endpoint)
 
     def datagrams(self) -> list[tuple[int, bytes]]:
         """What leaves now: (endpoint, datagram), oldest first."""
-        now_us = self._count * self._step_us
-        leaving = self._leaving
-        ready = []
-        while leaving and leaving[0][0] <= now_us:
-            _, endpoint, datagram = leaving.popleft()
-            ready.append((endpoint, datagram))
+        if self._down is not None:
+            return self._down.arrived(self._count * self._step_us)
+        ready, self._leaving = self._leaving, []
         return ready
 
     def _begin_in_flight(self, start: Start, world: World) -> None:
@@ -153,21 +167,17 @@ class Bridge:
         p_n, v_n, q_nb, w_b = start.position_n, start.velocity_n, start.q_nb, start.rates_b
         vehicle = self.plant.vehicle
         at_rest = v_n == w_b == (0.0, 0.0, 0.0) and q_nb[1] == q_nb[2] == 0.0 and not start.held
-        disturbance = _against(world.wind_n, vehicle.drag, vehicle.gravity)
+        drag = vehicle.drag + world.truth.rotor_drag + world.truth.quadratic_drag * math.hypot(*world.wind_n)
+        disturbance = _against(world.wind_n, drag, vehicle.gravity)
         self.plant.fly(p_n, v_n, q_nb, w_b, OFF)
         heading = euler_from_rotation(rotation_matrix(q_nb))[0]
         target = Target(p_n, (0.0, 0.0, 0.0), heading)
         attitude, commands = self.autopilot.cascade.trim(
-            self._observe(self.plant.truth), target, disturbance if at_rest else (0, 0, 0)
+            exact(self.plant.truth), target, disturbance if at_rest else (0, 0, 0)
         )
         thrusts = self.plant.thrusts_of(commands)
         self.plant.fly(p_n, v_n, attitude if at_rest else q_nb, w_b, thrusts)
-        self.autopilot.begin_in_flight(self._observe(self.plant.truth), self.plant.truth, commands, disturbance)
-
-    def _observe(self, truth: Truth) -> sensors.Estimate:
-        """What the sensors make of the truth, once a step."""
-        estimate, self._memory = sensors.observe(truth, self._memory, self._rng)
-        return estimate
+        self.autopilot.begin_in_flight(self._sensors.observe(self.plant.truth), self.plant.truth, commands, disturbance)
 
     def _deliver(self, datagram: bytes, endpoint: int) -> None:
         frames = self.links[endpoint].receive(datagram)
@@ -213,9 +223,12 @@ class Bridge:
             self._noted = (line, self.now)
 
     def _send(self, endpoint: int, link: Link) -> None:
-        at = self._count * self._step_us + self._delay_down_us
-        for datagram in link.outbox:
-            self._leaving.append((at, endpoint, datagram))
+        if endpoint not in self.world_events.cut_down:
+            if self._down is not None:
+                for datagram in link.outbox:
+                    self._down.send(self._count * self._step_us, endpoint, datagram)
+            else:
+                self._leaving += [(endpoint, datagram) for datagram in link.outbox]
         link.outbox.clear()
 
 

@@ -1,4 +1,4 @@
-"""What surrounds the vehicle: air and ground.
+"""What surrounds the vehicle: the ground, and hands that hold it.
 
 The ground is the plane z = 0 of the local frame. A vehicle that comes down on it stops there, without bounce and
 without sliding, and rights itself on its legs; it leaves when its rotors lift more than it weighs.
@@ -8,19 +8,13 @@ from __future__ import annotations
 
 import math
 
-from companion.frames import Quaternion, Vec3
-from companion.world import World
+from companion.frames import Quaternion
 from sim_bridge.integrate import Motion
 
 RIGHTING_TIME = 0.1
 """s, how quickly the legs bring a tilted vehicle level."""
 LEGS_REACH = 0.5
 """The cosine of the tilt beyond which the legs do not reach the ground: the vehicle lies where it fell."""
-
-
-def wind(world: World) -> Vec3:
-    """The velocity of the air over the ground, m/s."""
-    return world.wind_n
 
 
 def has_touched_down(motion: Motion) -> bool:
@@ -39,6 +33,11 @@ def at_rest(motion: Motion, step: float) -> Motion:
     if cosine_of_tilt(motion) > LEGS_REACH and (x != 0.0 or y != 0.0):
         w, x, y, z = _righted((w, x, y, z), step)
     return (pn, pe, 0.0, 0.0, 0.0, 0.0, w, x, y, z, 0.0, 0.0, 0.0)
+
+
+def held(motion: Motion) -> Motion:
+    """The motion of a vehicle that is held fast where it is."""
+    return (*motion[0:3], 0.0, 0.0, 0.0, *motion[6:10], 0.0, 0.0, 0.0)
 
 
 def _righted(q: Quaternion, step: float) -> Quaternion:

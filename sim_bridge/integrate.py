@@ -11,8 +11,9 @@ from sim_bridge.rotors import Four
 
 Motion = tuple[F, F, F, F, F, F, F, F, F, F, F, F, F]
 """(p_n, v_n, q_nb, w_b)"""
-Advance = Callable[[Motion, tuple[Four, Four, Four], Vec3], Motion]
-"""One step: the motion, the thrusts at the step's beginning, middle and end, and the wind, to the next motion."""
+Advance = Callable[[Motion, tuple[Four, Four, Four], Vec3, Vec3, float], Motion]
+"""One step, in which the wind (m/s), what else accelerates (m/s^2) and what else turns about z (N m) stay as they are:
+from the motion and the thrusts at the step's beginning, middle and end to the next motion."""
 
 
 def runge_kutta(derivative: Derivative, step: float) -> Advance:
@@ -24,27 +25,30 @@ def runge_kutta(derivative: Derivative, step: float) -> Advance:
     half, sixth, square = 0.5 * step, step / 6.0, step * step / 6.0
     sqrt = math.sqrt
 
-    def advance(motion: Motion, thrusts: tuple[Four, Four, Four], wind_n: Vec3) -> Motion:
+    def advance(
+        motion: Motion, thrusts: tuple[Four, Four, Four], wind_n: Vec3, given: Vec3, turn: float
+    ) -> Motion:  # fmt: skip
         pn, pe, pd, vn, ve, vd, qw, qx, qy, qz, p, q, r = motion
         (f0, f1, f2, f3), (g0, g1, g2, g3), (h0, h1, h2, h3) = thrusts
-        wn, we, wd = wind_n
+        un, ue, ud = vn - wind_n[0], ve - wind_n[1], vd - wind_n[2]
+        an, ae, ad = given
         a1, b1, c1, w1, x1, y1, z1, p1, q1, r1 = derivative(
-            vn, ve, vd, qw, qx, qy, qz, p, q, r, f0, f1, f2, f3, wn, we, wd
+            un, ue, ud, qw, qx, qy, qz, p, q, r, f0, f1, f2, f3, an, ae, ad, turn
         )
         a2, b2, c2, w2, x2, y2, z2, p2, q2, r2 = derivative(
-            vn + half * a1, ve + half * b1, vd + half * c1,
+            un + half * a1, ue + half * b1, ud + half * c1,
             qw + half * w1, qx + half * x1, qy + half * y1, qz + half * z1,
-            p + half * p1, q + half * q1, r + half * r1, g0, g1, g2, g3, wn, we, wd,
+            p + half * p1, q + half * q1, r + half * r1, g0, g1, g2, g3, an, ae, ad, turn,
         )  # fmt: skip
         a3, b3, c3, w3, x3, y3, z3, p3, q3, r3 = derivative(
-            vn + half * a2, ve + half * b2, vd + half * c2,
+            un + half * a2, ue + half * b2, ud + half * c2,
             qw + half * w2, qx + half * x2, qy + half * y2, qz + half * z2,
-            p + half * p2, q + half * q2, r + half * r2, g0, g1, g2, g3, wn, we, wd,
+            p + half * p2, q + half * q2, r + half * r2, g0, g1, g2, g3, an, ae, ad, turn,
         )  # fmt: skip
         a4, b4, c4, w4, x4, y4, z4, p4, q4, r4 = derivative(
-            vn + step * a3, ve + step * b3, vd + step * c3,
+            un + step * a3, ue + step * b3, ud + step * c3,
             qw + step * w3, qx + step * x3, qy + step * y3, qz + step * z3,
-            p + step * p3, q + step * q3, r + step * r3, h0, h1, h2, h3, wn, we, wd,
+            p + step * p3, q + step * q3, r + step * r3, h0, h1, h2, h3, an, ae, ad, turn,
         )  # fmt: skip
         qw += sixth * (w1 + 2.0 * (w2 + w3) + w4)
         qx += sixth * (x1 + 2.0 * (x2 + x3) + x4)

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
+import random
 from typing import NamedTuple
 
 from companion.frames import Quaternion, Vec3
 from companion.vehicle import Vehicle
 from companion.world import World
 from sim_bridge import environment
+from sim_bridge.battery import Cells
+from sim_bridge.gusts import GustyAir
 from sim_bridge.integrate import Motion, runge_kutta
 from sim_bridge.rigid_body import body_of, derivative_of, true_vehicle
-from sim_bridge.rotors import Four, Lag, course, thrust_wanted
+from sim_bridge.rotors import Four, lagging, spinning, thrust_wanted
 
 BODY_RATE_MAX = 100.0
 """rad/s. Beyond this the fixed step no longer resolves the turning; a body rate stops here, as in PX4's SIH at 19."""
 
 OFF: Four = (0.0, 0.0, 0.0, 0.0)
+STILL: Vec3 = (0.0, 0.0, 0.0)
 
 
 class Truth(NamedTuple):
@@ -44,17 +48,35 @@ class Truth(NamedTuple):
 class Plant:
     """A vehicle in a world. ``step_s``: the fixed step. The clock counts steps, so that times are exact.
 
-    ``vehicle`` is the true one: ``true_vehicle`` of what the companion believes.
+    ``vehicle`` is the true one: ``true_vehicle`` of what the companion believes. ``cells``: its battery, None where
+    there is none that sags. ``rng``: the source of the gusts. What disturbs it lasts until it is set again:
+    ``wind_n`` the mean wind (m/s), ``push_n`` a force (N), ``left`` the share of its thrust a rotor still gives,
+    ``is_held`` whether somebody holds it fast.
     """
 
-    def __init__(self, vehicle: Vehicle, world: World, steps_per_second: int) -> None:
+    def __init__(self, vehicle: Vehicle, world: World, steps_per_second: int, rng: random.Random | None = None) -> None:
         self.vehicle = true_vehicle(vehicle, world.truth)
         self.world = world
         self.steps_per_second = steps_per_second
         self.step_s = 1.0 / steps_per_second
         self._wanted = thrust_wanted(self.vehicle.rotors)
-        self._lag = Lag.over(self.step_s, self.vehicle.motor_lag)
-        self._advance = runge_kutta(derivative_of(body_of(self.vehicle, world.truth.angular_drag)), self.step_s)
+        rotors = world.truth.rotors
+        self._spins = rotors is not None
+        self._course = (
+            lagging(self.step_s, self.vehicle.motor_lag)
+            if rotors is None
+            else spinning(self.step_s, self.vehicle.rotors, rotors)
+        )
+        self._reactions = tuple(rotor.spin.reaction * rotor.torque_per_thrust for rotor in self.vehicle.rotors)
+        self._advance = runge_kutta(derivative_of(body_of(self.vehicle, world.truth)), self.step_s)
+        self._gusts = (
+            None if world.gusts is None else GustyAir(world.gusts, world.wind_n, self.step_s, rng or random.Random(0))
+        )
+        self.cells = None if world.battery is None else Cells(world.battery, self.vehicle.thrust_max)
+        self.wind_n = world.wind_n
+        self.push_n = STILL
+        self.left: Four | None = None
+        self.is_held = False
         self._has_ground = True
         self.steps = 0
         self.rest()
@@ -68,20 +90,27 @@ class Plant:
             *(0.0, 0.0, 0.0),
         )
         self._thrusts = OFF
-        self._a_n: Vec3 = (0.0, 0.0, 0.0)
+        self._a_n: Vec3 = STILL
         self._on_ground = True
 
     def fly(self, p_n: Vec3, v_n: Vec3, q_nb: Quaternion, w_b: Vec3, thrusts: Four) -> None:
         """Put the vehicle in the air. Where that is not above the ground plane, there is no ground."""
         self._motion = (*p_n, *v_n, *q_nb, *w_b)
         self._thrusts = thrusts
-        self._a_n = (0.0, 0.0, 0.0)
+        self._a_n = STILL
         self._on_ground = False
         self._has_ground = p_n[2] < 0.0
 
     def thrusts_of(self, commands: Four) -> Four:
         """The thrusts (N) that motor commands lead to in the end."""
-        return self._wanted(commands)
+        wanted = self._wanted(commands)
+        if self.cells is not None:
+            k = self.cells.strength
+            wanted = (k * wanted[0], k * wanted[1], k * wanted[2], k * wanted[3])
+        if self.left is not None:
+            a, b, c, d = self.left
+            wanted = (a * wanted[0], b * wanted[1], c * wanted[2], d * wanted[3])
+        return wanted
 
     @property
     def truth(self) -> Truth:
@@ -95,19 +124,20 @@ class Plant:
 
         A rotor whose range begins above zero idles at the bottom of it, but only while it is switched on.
         """
-        wanted = OFF if commands is None else self._wanted(commands)
-        thrusts = course(self._lag, self._thrusts, wanted)
+        wanted = OFF if commands is None else self.thrusts_of(commands)
+        thrusts = self._course(self._thrusts, wanted)
         motion = self._motion
         self.steps += 1
         self._thrusts = thrusts[2]
-        if self._on_ground:
-            lift = sum(self._thrusts) * environment.cosine_of_tilt(motion)
-            if lift <= self.vehicle.weight:
-                self._motion = environment.at_rest(motion, self.step_s)
-                self._a_n = (0.0, 0.0, 0.0)
-                return
-            self._on_ground = False
-        after = self._advance(motion, thrusts, environment.wind(self.world))
+        wind_n = self.wind_n if self._gusts is None else self._gusty_wind()
+        if self.cells is not None:
+            self.cells.update(sum(self._thrusts), self.step_s)
+        if self.is_held or (self._on_ground and not self._leaves_the_ground()):
+            self._motion = environment.at_rest(motion, self.step_s) if self._on_ground else environment.held(motion)
+            self._a_n = STILL
+            return
+        self._on_ground = False
+        after = self._advance(motion, thrusts, wind_n, self._given(), self._turn(wanted) if self._spins else 0.0)
         if abs(after[10]) > BODY_RATE_MAX or abs(after[11]) > BODY_RATE_MAX or abs(after[12]) > BODY_RATE_MAX:
             p, q, r = (max(-BODY_RATE_MAX, min(BODY_RATE_MAX, rate)) for rate in after[10:])
             after = (*after[:10], p, q, r)
@@ -119,3 +149,29 @@ class Plant:
             (after[3] - motion[3]) * per_step, (after[4] - motion[4]) * per_step, (after[5] - motion[5]) * per_step
         )  # fmt: skip
         self._motion = after
+
+    def _leaves_the_ground(self) -> bool:
+        """Whether the rotors, and whoever pushes, lift more than it weighs."""
+        lift = sum(self._thrusts) * environment.cosine_of_tilt(self._motion) - self.push_n[2]
+        return lift > self.vehicle.weight
+
+    def _given(self) -> Vec3:
+        """What accelerates beside rotors and air: gravity and pushes, m/s^2."""
+        g = self.vehicle.gravity
+        if self.push_n is STILL:
+            return (0.0, 0.0, g)
+        north, east, down = self.push_n
+        mass = self.vehicle.mass
+        return (north / mass, east / mass, down / mass + g)
+
+    def _turn(self, wanted: Four) -> float:
+        """The torque about z (N m) that the motors' torques put on the frame."""
+        return sum(reaction * thrust for reaction, thrust in zip(self._reactions, wanted, strict=True))
+
+    def _gusty_wind(self) -> Vec3:
+        assert self._gusts is not None
+        wn, we, wd = self.wind_n
+        motion = self._motion
+        airspeed = math.sqrt((motion[3] - wn) ** 2 + (motion[4] - we) ** 2 + (motion[5] - wd) ** 2)
+        gn, ge, gd = self._gusts.update(-motion[2], airspeed)
+        return (wn + gn, we + ge, wd + gd)

@@ -1,4 +1,4 @@
-"""What rotors do: command to thrust, thrust to force and torque, and the lag of a motor.
+"""What rotors do: command to thrust, thrust to force and torque, and how a motor follows: a lag, or its own motion.
 
 A rotor's force is along body -z. Nothing here sums over the rotors; rigid_body does.
 """
@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from companion.frames import Vec3
 from companion.vehicle import Rotor
+from companion.world.machine import RotorDynamics
 
 Four = tuple[float, float, float, float]
 """One number a rotor, in motor order: commands in the rotors' own units, or thrusts in N."""
@@ -54,16 +55,60 @@ class Lag(NamedTuple):
         return cls(math.exp(-0.5 * step / lag), math.exp(-step / lag)) if lag > 0.0 else cls(0.0, 0.0)
 
 
-def course(lag: Lag, now: Four, wanted: Four) -> tuple[Four, Four, Four]:
-    """The thrusts at the beginning, the middle and the end of a step in which ``wanted`` stays as it is.
+Course = Callable[[Four, Four], tuple[Four, Four, Four]]
+"""From the thrusts now and those wanted to those at the beginning, the middle and the end of a step in which the wanted
+stay as they are."""
+
+
+def lagging(step: float, lag: float) -> Course:
+    """Motors that follow with a first-order ``lag`` (s).
 
     Without a lag the thrusts jump at the beginning, and the step knows only the new ones.
     """
-    half, full = lag
+    half, full = Lag.over(step, lag)
     if full == 0.0:
-        return (wanted, wanted, wanted)
-    a0, a1, a2, a3 = now
-    b0, b1, b2, b3 = wanted
-    d0, d1, d2, d3 = a0 - b0, a1 - b1, a2 - b2, a3 - b3
-    middle = (b0 + half * d0, b1 + half * d1, b2 + half * d2, b3 + half * d3)
-    return (now, middle, (b0 + full * d0, b1 + full * d1, b2 + full * d2, b3 + full * d3))
+        return lambda now, wanted: (wanted, wanted, wanted)
+
+    def course(now: Four, wanted: Four) -> tuple[Four, Four, Four]:
+        a0, a1, a2, a3 = now
+        b0, b1, b2, b3 = wanted
+        d0, d1, d2, d3 = a0 - b0, a1 - b1, a2 - b2, a3 - b3
+        middle = (b0 + half * d0, b1 + half * d1, b2 + half * d2, b3 + half * d3)
+        return (now, middle, (b0 + full * d0, b1 + full * d1, b2 + full * d2, b3 + full * d3))
+
+    return course
+
+
+def spinning(step: float, rotors: tuple[Rotor, ...], dynamics: RotorDynamics) -> Course:
+    """The paper's rotors: I_rz Omega' = -b Omega |Omega| + tau, f = gamma Omega |Omega|, b = gamma / c.
+
+    ``wanted`` are the thrusts to which the motors' torques tau = wanted / c lead in the end. Solved exactly.
+    """
+    gamma = dynamics.thrust_factor
+    slowing = tuple(gamma * rotor.torque_per_thrust / dynamics.inertia for rotor in rotors)  # b / I_rz
+
+    def course(now: Four, wanted: Four) -> tuple[Four, Four, Four]:
+        later: tuple[list[float], list[float]] = ([], [])
+        for thrust, goal, k in zip(now, wanted, slowing, strict=True):
+            speed, aim = (math.copysign(math.sqrt(abs(x) / gamma), x) for x in (thrust, goal))
+            for into, t in zip(later, (0.5 * step, step), strict=True):
+                omega = _spun(speed, aim, k, t)
+                into.append(gamma * omega * abs(omega))
+        (a, b, c, d), (e, f, g, h) = later
+        return (now, (a, b, c, d), (e, f, g, h))
+
+    return course
+
+
+def _spun(speed: float, aim: float, k: float, t: float) -> float:
+    """Omega after ``t`` s of Omega' = k (aim |aim| - Omega |Omega|), from ``speed``. rad/s; k: 1/rad."""
+    if speed < 0.0:
+        return -_spun(-speed, -aim, k, t)
+    if aim == 0.0:
+        return speed / (1.0 + k * speed * t)
+    if aim > 0.0:
+        risen = math.tanh(k * aim * t)
+        return aim * (speed + aim * risen) / (aim + speed * risen)
+    until_rest = math.atan(speed / -aim)
+    left = until_rest + k * aim * t
+    return -aim * math.tan(left) if left > 0.0 else aim * math.tanh(-left)

@@ -1,19 +1,24 @@
 """Truth -> the estimate the autopilot flies by and reports.
 
-``observe`` is a pure function of the truth, what the estimator remembers and a source of chance. In a world without
-errors the estimate is the truth.
+The truth plus the world's errors, plus what resets have moved. In a world without errors the estimate is the truth.
 """
 
 from __future__ import annotations
 
+import math
 import random
+from collections.abc import Callable
 from typing import NamedTuple
 
-from companion.frames import Quaternion, Vec3
+from companion.frames import Quaternion, Vec3, from_rotation_vector, multiply
+from companion.world.estimate import Drift, Errors, Noise
+from companion.world.events import EstimatorReset
+from sim_bridge.chance import FirstOrder, SecondOrder
 from sim_bridge.plant import Truth
 
 RESETS_OF_A_BOOT = 11
 """What the reset counter stands at when an estimator has come up; PX4's stays there in flight."""
+ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 
 class Estimate(NamedTuple):
@@ -28,14 +33,98 @@ class Estimate(NamedTuple):
     resets: int
 
 
-class Memory(NamedTuple):
-    """What the estimator carries from one step to the next."""
-
-    resets: int = RESETS_OF_A_BOOT
-
-
-def observe(truth: Truth, memory: Memory, rng: random.Random) -> tuple[Estimate, Memory]:
-    """The estimate after a step, and what to remember for the next."""
+def exact(truth: Truth) -> Estimate:
+    """An estimate without errors."""
     time_us = round(truth.t_boot * 1e6)
-    estimate = Estimate(time_us, truth.p_n, truth.v_n, truth.a_n, truth.q_nb, truth.w_b, memory.resets)
-    return estimate, memory
+    return Estimate(time_us, truth.p_n, truth.v_n, truth.a_n, truth.q_nb, truth.w_b, RESETS_OF_A_BOOT)
+
+
+Wrong = Callable[[], Vec3]
+"""The next error of a vector."""
+
+
+class Sensors:
+    """The estimator of one vehicle, called once a ``step`` (s). ``rng``: the source of its errors."""
+
+    def __init__(self, errors: Errors, step: float, rng: random.Random) -> None:
+        noise = [_noise(each, step, rng) for each in (errors.position, errors.velocity, errors.attitude, errors.gyro)]
+        self._position, self._velocity, self._attitude, self._gyro = noise
+        self._drift = _drift(errors.drift, step, rng) if errors.drift else None
+        self._errs = bool(errors)
+        self._moved = False
+        self._p_moved: Vec3 = ZERO
+        self._v_moved: Vec3 = ZERO
+        self._q_turned: Quaternion = (1.0, 0.0, 0.0, 0.0)
+        self._ahead_us = 0
+        self._resets = RESETS_OF_A_BOOT
+
+    def observe(self, truth: Truth) -> Estimate:
+        """The estimate after a step."""
+        time_us = max(0, round(truth.t_boot * 1e6) + self._ahead_us)
+        if not (self._errs or self._moved):
+            return Estimate(time_us, truth.p_n, truth.v_n, truth.a_n, truth.q_nb, truth.w_b, self._resets)
+        p_n, v_n, q_nb, w_b = truth.p_n, truth.v_n, truth.q_nb, truth.w_b
+        if self._position is not None:
+            p_n = _sum(p_n, self._position())
+        if self._drift is not None:
+            p_n = _sum(p_n, self._drift())
+        if self._velocity is not None:
+            v_n = _sum(v_n, self._velocity())
+        if self._attitude is not None:
+            q_nb = multiply(q_nb, from_rotation_vector(self._attitude()))
+        if self._gyro is not None:
+            w_b = _sum(w_b, self._gyro())
+        if self._moved:
+            p_n, v_n = _sum(p_n, self._p_moved), _sum(v_n, self._v_moved)
+            q_nb = multiply(self._q_turned, q_nb)
+        return Estimate(time_us, p_n, v_n, truth.a_n, q_nb, w_b, self._resets)
+
+    def reset(self, event: EstimatorReset) -> None:
+        """The estimate jumps. As in PX4 each of velocity, position and heading counts, level and vertical apart."""
+        (x, y, z), (u, v, w) = event.position_n, event.velocity_n
+        counts = sum(map(bool, (x or y, z, u or v, w, event.yaw)))
+        self._resets = (self._resets + counts) & 0xFF
+        self._p_moved = _sum(self._p_moved, event.position_n)
+        self._v_moved = _sum(self._v_moved, event.velocity_n)
+        half = 0.5 * event.yaw
+        self._q_turned = multiply((math.cos(half), 0.0, 0.0, math.sin(half)), self._q_turned)
+        self._moved = True
+
+    def jump(self, by: float) -> None:
+        """The stamps are ``by`` s further from now on, but never before the boot."""
+        self._ahead_us += round(by * 1e6)
+
+
+def _sum(a: Vec3, b: Vec3) -> Vec3:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def _noise(noise: Noise, step: float, rng: random.Random) -> Wrong | None:
+    """White noise and a wander together; None where there is neither."""
+    if not noise:
+        return None
+    gauss = rng.gauss
+    a, b, c = noise.white
+    if not any(noise.wander):
+        return lambda: (gauss(0.0, a), gauss(0.0, b), gauss(0.0, c))
+    x, y, z = noise.wander
+    i, j, k = (FirstOrder(rng, step, noise.wander_time) for _ in range(3))
+    if not any(noise.white):
+        return lambda: (x * i.update(), y * j.update(), z * k.update())
+    return lambda: (
+        x * i.update() + gauss(0.0, a), y * j.update() + gauss(0.0, b), z * k.update() + gauss(0.0, c)
+    )  # fmt: skip
+
+
+def _drift(drift: Drift, step: float, rng: random.Random) -> Wrong:
+    """A wander smooth enough to have a velocity: y of SecondOrder, whose y' has a variance of 1 / (2 time^2)."""
+    x, y, z = (speed * drift.time * math.sqrt(2.0) for speed in drift.speed)
+    i, j, k = (SecondOrder(rng, step, drift.time) for _ in range(3))
+
+    def wander() -> Vec3:
+        i.update()
+        j.update()
+        k.update()
+        return (x * i.y, y * j.y, z * k.y)
+
+    return wander

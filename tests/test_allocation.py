@@ -60,7 +60,7 @@ def test_two_derivations_of_the_wrench(seed: int) -> None:
     commands = (rng.random(), rng.random(), rng.random(), rng.random())
     thrusts = [c * rotor.thrust_max for c, rotor in zip(commands, vehicle.rotors, strict=True)]
     level_and_still = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    rates = derivative_of(body_of(vehicle))(*level_and_still, *thrusts, 0.0, 0.0, 0.0)
+    rates = derivative_of(body_of(vehicle))(*level_and_still, *thrusts, 0.0, 0.0, vehicle.gravity, 0.0)
     thrust, *torque = Allocation(vehicle).wrench(commands)
     assert vehicle.mass * (vehicle.gravity - rates[2]) == pytest.approx(thrust)
     assert [j * w for j, w in zip(vehicle.inertia, rates[7:], strict=True)] == pytest.approx(torque)

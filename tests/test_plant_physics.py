@@ -17,7 +17,7 @@ from companion.world import Deviations, World
 from sim_bridge.integrate import Motion, runge_kutta
 from sim_bridge.plant import BODY_RATE_MAX, Plant
 from sim_bridge.rigid_body import Body, body_of, derivative_of
-from sim_bridge.rotors import Four, Lag, course
+from sim_bridge.rotors import Four, lagging
 
 STILL: Vec3 = (0.0, 0.0, 0.0)
 LEVEL = (1.0, 0.0, 0.0, 0.0)
@@ -39,7 +39,9 @@ def in_the_air(vehicle: Vehicle, world: World | None = None, height: float = 100
 
 def accelerations(vehicle: Vehicle, thrusts: Four, w_b: Vec3 = STILL) -> tuple[Vec3, Vec3]:
     """(v_n', w_b') of a level vehicle at rest."""
-    rates = derivative_of(body_of(vehicle))(*STILL, *LEVEL, *w_b, *thrusts, *STILL)
+    rates = derivative_of(body_of(vehicle))(
+        *STILL, *LEVEL, *w_b, *thrusts, 0.0, 0.0, vehicle.gravity, 0.0
+    )  # fmt: skip
     return rates[0:3], rates[7:10]
 
 
@@ -94,12 +96,12 @@ def test_the_integrator_is_of_fourth_order() -> None:
 
     def after_one_second(steps: int) -> np.ndarray:  # type: ignore[type-arg]
         advance = runge_kutta(derivative_of(body), 1.0 / steps)
-        lag = Lag.over(1.0 / steps, 0.3)
+        course = lagging(1.0 / steps, 0.3)
         motion: Motion = (*STILL, 1.0, 0.0, 0.0, *LEVEL, 0.5, -1.0, 2.0)
         now: Four = (0.0, 2.0, 4.0, 6.0)
         for _ in range(steps):
-            thrusts = course(lag, now, (5.0, 5.1, 4.9, 5.2))
-            motion, now = advance(motion, thrusts, (3.0, 0.0, 0.0)), thrusts[2]
+            thrusts = course(now, (5.0, 5.1, 4.9, 5.2))
+            motion, now = advance(motion, thrusts, (3.0, 0.0, 0.0), (0.0, 0.0, body.gravity), 0.0), thrusts[2]
         return np.array(motion)
 
     exact = after_one_second(2000)
@@ -163,7 +165,7 @@ def test_any_geometry_gives_the_sum_of_the_rotors_cross_products() -> None:
 def test_thrust_pushes_along_the_bodys_own_axis() -> None:
     vehicle = bare()
     q_nb = quaternion_from_euler(0.7, -0.3, 0.4)
-    rates = derivative_of(body_of(vehicle))(*STILL, *q_nb, *STILL, 5.0, 5.0, 5.0, 5.0, *STILL)
+    rates = derivative_of(body_of(vehicle))(*STILL, *q_nb, *STILL, 5.0, 5.0, 5.0, 5.0, 0.0, 0.0, vehicle.gravity, 0.0)
     push = to_world(rotation_matrix(q_nb), (0.0, 0.0, -20.0 / vehicle.mass))
     assert rates[0:3] == pytest.approx((push[0], push[1], push[2] + vehicle.gravity))
 
@@ -288,7 +290,7 @@ def test_the_plant_flies_quadrotors_only() -> None:
 
 def test_a_body_holds_what_its_vehicle_says() -> None:
     vehicle = load_vehicle("sih")
-    assert body_of(vehicle, 0.025) == Body(
+    assert body_of(vehicle, Deviations(angular_drag=0.025)) == Body(
         1.0, (0.025, 0.025, 0.03), 9.80665, 1.0, 0.025,
         ((-0.2, 0.2, 0.02), (0.2, -0.2, 0.02), (0.2, 0.2, -0.02), (-0.2, -0.2, -0.02)),
     )  # fmt: skip

@@ -166,9 +166,13 @@ class LinkCutModel(_While):
     """the kind of event"""
     way: Literal["both", "down", "up"] = "both"
     """which way: down (vehicle to companion), up (companion to vehicle), both"""
+    link: Literal["companion", "ground_station", "both"] = "companion"
+    """whose link: companion, ground_station, both"""
 
     def event(self) -> Event:
-        return events.LinkCut(self.when, self.way != "up", self.way != "down")
+        return events.LinkCut(
+            self.when, self.way != "up", self.way != "down", self.link != "ground_station", self.link != "companion"
+        )
 
 
 EventModel = Annotated[

@@ -94,7 +94,7 @@ class WayModel(Strict):
     duplicated: Share = 0.0
     """the share of datagrams that come twice, 0..1"""
     reordered: Share = 0.0
-    """the share of datagrams that the next overtakes, 0..1"""
+    """the share of datagrams that come 20 ms late, behind those sent after them, 0..1"""
 
 
 class LinkModel(Strict):

@@ -100,11 +100,17 @@ class Silence:
 
 @dataclass(frozen=True, slots=True)
 class LinkCut:
-    """Nothing comes through, each way by itself."""
+    """Nothing comes through, each way by itself. ``companion``, ``ground_station``: whose link."""
 
     when: When
     down: bool = True
     up: bool = True
+    companion: bool = True
+    ground_station: bool = False
 
 
-Event = Push | Hold | Wind | MotorFailure | EstimatorReset | ClockJump | NotANumber | Silence | LinkCut
+Happening = Push | Hold | Wind | MotorFailure | NotANumber | Silence | LinkCut
+"""What lasts."""
+Jump = EstimatorReset | ClockJump
+"""What happens once."""
+Event = Happening | Jump

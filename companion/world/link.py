@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 @dataclass(frozen=True, slots=True)
 class Way:
     """One way of a link. ``delay`` s; ``jitter``: at most so much more, s, order kept; ``loss``, ``duplicated``,
-    ``reordered``: the share of datagrams that are lost, come twice, are overtaken by the next."""
+    ``reordered``: the share of datagrams that are lost, come twice, come 20 ms late and so behind those sent after."""
 
     delay: float = 0.0
     jitter: float = 0.0

@@ -100,8 +100,8 @@ class Autopilot:
 
     @property
     def t(self) -> float:
-        """The vehicle's clock, s."""
-        return self.estimate.time_us * 1e-6
+        """The vehicle's clock, s; the stamps of its state may have jumped away from it."""
+        return self.truth.t_boot
 
     @property
     def landed_state(self) -> Landed:
@@ -162,7 +162,7 @@ class Autopilot:
         self.estimate = estimate
         self.truth = truth
         self._stands = truth.on_ground  # felt by the legs; nothing else of the truth is used
-        if estimate.time_us >= self._supervise_at_us:
+        if round(truth.t_boot * 1e6) >= self._supervise_at_us:
             self._supervise_at_us += SUPERVISION_US
             self._supervise(estimate, self._stands)
 

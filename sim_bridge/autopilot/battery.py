@@ -1,7 +1,7 @@
 """What the autopilot knows of its battery.
 
-As in PX4's simulation it empties while the vehicle is armed, in SIM_BAT_DRAIN seconds from full to empty, but never
-below SIM_BAT_MIN_PCT, and is full again on the ground.
+A world's battery is measured. Otherwise, as in PX4's simulation, it empties while the vehicle is armed, from full to
+empty in SIM_BAT_DRAIN seconds, but never below SIM_BAT_MIN_PCT, and is full again on the ground.
 """
 
 from __future__ import annotations
@@ -21,14 +21,22 @@ class ChargeState(enum.IntEnum):
 
 
 class Battery:
-    """``remaining``: 1 full, 0 empty."""
+    """``remaining``: 1 full, 0 empty. ``voltage`` V and ``current`` A where they are measured, else None."""
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
         self.remaining = 1.0
+        self.voltage: float | None = None
+        self.current: float | None = None
+
+    def measure(self, voltage: float, current: float, remaining: float) -> None:
+        """What the world's battery is now."""
+        self.voltage, self.current, self.remaining = voltage, current, remaining
 
     def update(self, passed: float, armed: bool) -> None:
         """``passed`` s more."""
+        if self.voltage is not None:
+            return
         limits = self._parameters
         if not armed or not limits["SIM_BAT_ENABLE"]:
             self.remaining = 1.0

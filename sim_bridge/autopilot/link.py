@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
@@ -47,7 +48,10 @@ _TEXT = message("STATUSTEXT")
 
 
 class Link:
-    """A link to one peer. ``outbox``: the datagrams to send, oldest first. Commands for others are not answered."""
+    """A link to one peer. ``outbox``: the datagrams to send, oldest first. Commands for others are not answered.
+
+    ``alter``: what a world's events make of a message (by its id) that is streamed; None: it is not sent.
+    """
 
     def __init__(self, autopilot: Autopilot, streams: Streams) -> None:
         self._autopilot = autopilot
@@ -62,6 +66,7 @@ class Link:
         self._poll_at_us = 0
         self._ground_station_until_us = -1
         self._sent = 0
+        self.alter: Callable[[int, Values], Values | None] | None = None
         self.decoder = Decoder()
         self.outbox: list[bytes] = []
         self.peers: set[tuple[int, int]] = set()
@@ -111,6 +116,8 @@ class Link:
                 values = build(self._autopilot)
                 if msgid != _LINK_NODE_STATUS.id:
                     built[msgid] = values
+            if values is not None and self.alter is not None:
+                values = self.alter(msgid, values)
             if values is not None:
                 self.outbox.append(self._encoder.encode(fmt, values))
                 self._sent += 1

@@ -32,7 +32,7 @@ def sys_status(a: Autopilot) -> Values:
         onboard_control_sensors_health=SENSORS_HEALTHY & settled | (PREARM_CHECK if a.commander.can_arm(a.t) else 0),
         load=120,
         voltage_battery=_millivolts(a),
-        current_battery=-1,
+        current_battery=_centiamperes(a),
         battery_remaining=_percent(a),
     )
 
@@ -43,7 +43,7 @@ def battery_status(a: Autopilot) -> Values:
         energy_consumed=-1,
         temperature=32767,
         voltages=(_millivolts(a), *(NOT_TOLD_16,) * 9),
-        current_battery=-1,
+        current_battery=_centiamperes(a),
         battery_function=1,
         type=1,
         battery_remaining=_percent(a),
@@ -55,7 +55,13 @@ def _percent(a: Autopilot) -> int:
     return max(0, min(100, math.ceil(100.0 * a.battery.remaining)))
 
 
+def _centiamperes(a: Autopilot) -> int:
+    return -1 if a.battery.current is None else round(100.0 * a.battery.current)
+
+
 def _millivolts(a: Autopilot) -> int:
+    if a.battery.voltage is not None:
+        return max(0, min(65534, round(1e3 * a.battery.voltage)))
     return round(VOLTAGE_EMPTY + (VOLTAGE_FULL - VOLTAGE_EMPTY) * max(0.0, min(1.0, a.battery.remaining)))
 
 

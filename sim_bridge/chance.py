@@ -1,0 +1,64 @@
+"""Chance that has a memory: processes of which the next value leans on the last, exact for any step.
+
+Each begins in its steady state, so that its statistics hold from the first step on.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable
+
+
+class FirstOrder:
+    """A first-order Gauss-Markov process of unit variance: x' = -x / time + noise."""
+
+    __slots__ = ("_gauss", "_keep", "_kick", "x")
+
+    def __init__(self, rng: random.Random, step: float, time: float) -> None:
+        self._gauss: Callable[[float, float], float] = rng.gauss
+        self.pace(step / time)
+        self.x = rng.gauss(0.0, 1.0)
+
+    def pace(self, a: float) -> None:
+        """Let a step be ``a`` time constants from now on."""
+        self._keep = math.exp(-a)
+        self._kick = math.sqrt(-math.expm1(-2.0 * a))
+
+    def update(self) -> float:
+        """The value a step later."""
+        self.x = x = self._keep * self.x + self._gauss(0.0, self._kick)
+        return x
+
+
+class SecondOrder:
+    """Two equal lags, one after the other: x' = -x / time + noise of unit variance, y' = (x - y) / time.
+
+    In the steady state var x = 1, var y = cov xy = 1/2; what noise a step adds is what keeps these so.
+    """
+
+    __slots__ = ("_gauss", "_keep", "_kick_x", "_kick_xy", "_kick_y", "_pass", "x", "y")
+
+    def __init__(self, rng: random.Random, step: float, time: float) -> None:
+        self._gauss: Callable[[float, float], float] = rng.gauss
+        self.pace(step / time)
+        self.x = rng.gauss(0.0, 1.0)
+        self.y = 0.5 * self.x + rng.gauss(0.0, 0.5)
+
+    def pace(self, a: float) -> None:
+        """Let a step be ``a`` time constants from now on."""
+        keep = math.exp(-a)
+        square = keep * keep
+        xx = -math.expm1(-2.0 * a)
+        xy = 0.5 - square * (a + 0.5)
+        yy = 0.5 - square * (a * a + a + 0.5)
+        self._keep, self._pass = keep, keep * a
+        self._kick_x = math.sqrt(xx)
+        self._kick_xy = xy / self._kick_x
+        self._kick_y = math.sqrt(max(0.0, yy - self._kick_xy * self._kick_xy))
+
+    def update(self) -> None:
+        """``x`` and ``y`` a step later."""
+        noise = self._gauss(0.0, 1.0)
+        self.y = self._keep * self.y + self._pass * self.x + self._kick_xy * noise + self._gauss(0.0, self._kick_y)
+        self.x = self._keep * self.x + self._kick_x * noise
