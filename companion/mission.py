@@ -72,7 +72,8 @@ class Mission:
     """``path``: where. ``speed``, ``yaw``: alpha and beta along it. ``gains``: for the level that is flown, None where
     the level is not known. ``laps``: how many times around, None for until told. ``origin``: None where the file does
     not say. ``look_at``: the point of ``yaw: look_at`` in the mission's coordinates. ``repeat``: what follows the end
-    of an open path; None: it ends there. ``fence``: where the vehicle may be, in the mission's coordinates."""
+    of an open path; None: it ends there. ``fence``: where the vehicle may be, in the mission's coordinates.
+    ``notes``: what of the file is not flown, in sentences for the pilot."""
 
     name: str
     path: Path
@@ -86,6 +87,7 @@ class Mission:
     look_at: Vec3 | None = None
     repeat: Repeat | None = None
     fence: Fence | None = None
+    notes: tuple[str, ...] = ()
 
     def placed(self, origin_n: Vec3, turn: float | None = None) -> Mission:
         """The mission with its origin at ``origin_n`` of the vehicle's local frame, its axes turned by ``turn`` (rad,

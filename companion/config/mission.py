@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
@@ -11,10 +12,14 @@ from companion.calculus.expression import parse as parse_expression
 from companion.config.along import faults_along
 from companion.config.curves import curve_from, implicit_from, triple
 from companion.config.document import Document, parse
-from companion.config.faults import ConfigError, Fault
+from companion.config.earth import localised
+from companion.config.faults import ConfigError, Fault, Key
+from companion.config.fence_keys import FenceModel, fence_from
 from companion.config.gains import GainsModel, gains_from
-from companion.config.path_keys import ImplicitModel, PathModel, PlanModel, Point
+from companion.config.path_keys import ImplicitModel, OriginModel, PathModel, PlanModel, Point
 from companion.config.places import find, read
+from companion.config.plan_mission import Planned
+from companion.config.plan_source import is_plan, mission_text, parsed, read_plan
 from companion.config.profile_keys import (
     SPEED_MIN,
     AutoSpeedModel,
@@ -26,8 +31,11 @@ from companion.config.profile_keys import (
 )
 from companion.config.profiles import Profiles, known_names
 from companion.config.schema import Strict, validate
+from companion.fence import Fence
+from companion.frames import Vec3
 from companion.law.gains import Level
-from companion.mission import GlobalOrigin, Mission, Origin, Path, Repeat, Start
+from companion.mission import GlobalOrigin, Mission, Origin, Repeat, Start
+from companion.mission import Path as MissionPath
 from companion.paths.implicit import ImplicitPath
 from companion.paths.placement import Placement
 
@@ -62,11 +70,9 @@ class MissionModel(Strict):
     """the vehicle it was written for: a name in configs/vehicles or a path; --vehicle overrides it"""
     frame: Literal["ned", "enu"]
     """ned: x north, y east, z down; enu: x east, y north, z up; all in m"""
-    origin: Literal["local", "takeoff", "home"] | Annotated[list[float], Field(min_length=3, max_length=3)] | None = (
-        None
-    )
-    """what the coordinates count from: local, takeoff, home, or [latitude, longitude, altitude above sea level] in
-    degrees and m"""
+    origin: OriginModel = None
+    """what the coordinates count from: local (the vehicle's own frame), takeoff, home, or [latitude, longitude,
+    altitude above sea level] in degrees and m"""
     rotate_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     """turns the mission's axes clockwise seen from above, in degrees; headings stay compass headings"""
     path: PathModel
@@ -83,6 +89,8 @@ class MissionModel(Strict):
     """how many times around, no unit; until told to stop where absent"""
     repeat: Literal["back-and-forth"] | None = None
     """what an open path does at its end: back-and-forth turns round; it ends there where absent"""
+    fence: Annotated[list[FenceModel], Field(max_length=100)] = Field(default_factory=list)
+    """where the vehicle may be: a list of areas to stay inside of or out of"""
     start: StartModel | None = None
     """the state a simulated flight begins in; simulation only"""
 
@@ -91,7 +99,9 @@ class MissionModel(Strict):
     def _parses(cls, given: Any, info: ValidationInfo) -> Any:
         path = info.data.get("path")
         word = {"speed": "auto", "yaw": "tangent"}[info.field_name or ""]
-        if isinstance(given, str) and given != word:
+        if given == "plan" and path is not None and path.kind != "plan":
+            raise ValueError(f"'plan' means what the plan says, and the path is no plan but of kind {path.kind}")
+        if isinstance(given, str) and given not in (word, "plan"):
             parse_expression(given, None if path is None else known_names(path))
         return given
 
@@ -107,32 +117,40 @@ def load_mission(name: str, level: Level | None) -> Mission:
     """The mission of a name in configs/missions or a path, with gains for ``level``, its curve traced and its speed
     checked. ConfigError with every fault."""
     path = find(name, "missions")
+    if is_plan(name):
+        return mission_from(parsed(mission_text(path), str(path)), level)
     return mission_from(parse(read(path), str(path)), level)
 
 
 def bare_mission_from(document: Document, level: Level) -> Mission:
     """The mission for ``companion law``: gains are taken as given, and the curve need not close."""
+    document, origin = localised(document)
     model = validate(document, MissionModel)
     if not isinstance(model.path, ImplicitModel):
         message = f"{model.path.kind} has no h1 and h2; companion law expects kind: implicit"
         raise ConfigError([document.fault(("path", "kind"), message)])
-    faults = [
+    over_arc = [
         document.fault((key,), "is given over arc length; companion law expects a number or an expression in x, y, z")
         for key in ("speed", "yaw")
         if isinstance(getattr(model, key), SpeedTableModel | YawTableModel | AutoSpeedModel)
         or getattr(model, key) == "auto"
     ]
-    mission = _mission(document, model, level, faults, check=False)
-    if faults or mission is None:
-        raise ConfigError(faults)
+    reader = _Reader(document, model, origin or _origin(model.origin), None)
+    reader.faults += over_arc
+    mission = reader.mission(level, check=False)
+    if reader.faults or mission is None:
+        raise ConfigError(reader.faults)
     return mission
 
 
-def mission_from(document: Document, level: Level | None) -> Mission:
-    """The mission a document describes. ConfigError with every fault."""
+def mission_from(document: Document, level: Level | None, beside: Path | None = None) -> Mission:
+    """The mission a document describes. ``beside``: the folder its plan lies in, if it has one; None: as it says.
+    ConfigError with every fault."""
+    document, origin = localised(document)
     model = validate(document, MissionModel)
-    faults: list[Fault] = []
-    mission = _mission(document, model, level, faults, check=True)
+    reader = _Reader(document, model, origin or _origin(model.origin), beside)
+    mission = reader.mission(level, check=True)
+    faults = reader.faults
     if mission is not None and isinstance(mission.path, ImplicitPath) and mission.path.near is None:
         faults.append(document.fault(("path", "near"), "missing; expected a point [x, y, z] near the path, in m"))
     elif mission is not None:
@@ -142,50 +160,86 @@ def mission_from(document: Document, level: Level | None) -> Mission:
     return mission
 
 
-def _mission(
-    document: Document, model: MissionModel, level: Level | None, faults: list[Fault], *, check: bool
-) -> Mission | None:
-    gains = None if level is None else gains_from(document, model.gains, level, faults, check=check)
-    placement = Placement(turn=math.radians(model.rotate_deg), enu=model.frame == "enu")
-    path: Path | None
-    if isinstance(model.path, ImplicitModel):
-        path = implicit_from(model.path, None if model.start is None else model.start.position, placement)
-    elif isinstance(model.path, PlanModel):
-        path = None
-        faults.append(document.fault(("path", "kind"), "plan is not read yet"))
-    else:
-        path = curve_from(document, model.path, placement, faults)
-        if gains is not None and gains.h1 != gains.h2:
+class _Reader:
+    """Makes the mission of one document; what is wrong with it goes into ``faults``."""
+
+    def __init__(
+        self, document: Document, model: MissionModel, origin: Origin | GlobalOrigin | None, beside: Path | None
+    ) -> None:
+        self._document, self._model, self._origin, self._beside = document, model, origin, beside
+        self._placement = Placement(turn=math.radians(model.rotate_deg), enu=model.frame == "enu")
+        self._plan: Planned | None = None
+        self.faults: list[Fault] = []
+
+    def mission(self, level: Level | None, *, check: bool) -> Mission | None:
+        """The mission, its origin at the local frame's; None where there is none."""
+        model, plan = self._model, None
+        gains = None if level is None else gains_from(self._document, model.gains, level, self.faults, check=check)
+        path = self._path()
+        if path is None:
+            return None
+        if not isinstance(path, ImplicitPath) and gains is not None and gains.h1 != gains.h2:
             message = "differ from those of h1; on a curve one set serves every direction across it"
-            faults.append(document.fault(("gains", "h2"), message))
-    if path is None:
-        return None
-    profiles = Profiles(document, model.path, path, faults)
-    speed, yaw = profiles.speed(model.speed), profiles.yaw(model.yaw)
-    if speed is None or yaw is None:
-        return None
-    mission = Mission(
-        name=model.mission,
-        path=path,
-        speed=speed,
-        yaw=yaw,
-        gains=gains,
-        laps=model.laps,
-        start=None if model.start is None else _start(model.start),
-        origin=_origin(model.origin),
-        vehicle=model.vehicle,
-        look_at=triple(model.yaw.look_at) if isinstance(model.yaw, LookAtModel) else None,
-        repeat=None if model.repeat is None else Repeat(model.repeat),
-    )
-    if mission.repeat is not None and mission.closed:
-        faults.append(document.fault(("repeat",), "the path is closed; expected an open one to fly back and forth"))
-    return mission.placed((0.0, 0.0, 0.0))
+            self._fault(("gains", "h2"), message)
+        plan = self._plan
+        profiles = Profiles(self._document, model.path, path, self.faults, plan)
+        yaw_given = model.yaw if plan is None or "yaw" in model.model_fields_set else "plan"
+        speed, yaw = profiles.speed(model.speed), profiles.yaw(yaw_given)
+        if speed is None or yaw is None:
+            return None
+        if isinstance(yaw_given, LookAtModel):
+            look_at: Vec3 | None = triple(yaw_given.look_at)
+        else:
+            look_at = plan.look_at if plan is not None and yaw_given == "plan" else None
+        mission = Mission(
+            name=model.mission,
+            path=path,
+            speed=speed,
+            yaw=yaw,
+            gains=gains,
+            laps=model.laps,
+            start=None if model.start is None else _start(model.start),
+            origin=plan.origin if plan is not None and self._origin is None else self._origin,
+            vehicle=model.vehicle,
+            look_at=look_at,
+            repeat=None if model.repeat is None else Repeat(model.repeat),
+            fence=_both(fence_from(model.fence), None if plan is None else plan.fence),
+            notes=() if plan is None else plan.notes,
+        )
+        if mission.repeat is not None and mission.closed:
+            self._fault(("repeat",), "the path is closed; expected an open one to fly back and forth")
+        return mission.placed((0.0, 0.0, 0.0))
+
+    def _path(self) -> MissionPath | None:
+        model = self._model
+        if isinstance(model.path, ImplicitModel):
+            return implicit_from(model.path, None if model.start is None else model.start.position, self._placement)
+        if not isinstance(model.path, PlanModel):
+            return curve_from(self._document, model.path, self._placement, self.faults)
+        if isinstance(self._origin, GlobalOrigin):
+            message = "a plan counts from its own home; expected none, or local, takeoff or home to fly it from there"
+            self._fault(("origin",), message)
+        if model.rotate_deg != 0.0:
+            self._fault(("rotate_deg",), "a plan is not turned; expected none")
+        try:
+            self._plan = read_plan(self._document, model.path, self._placement, self._beside)
+        except ConfigError as error:
+            self.faults += error.faults
+            return None
+        return self._plan.curve
+
+    def _fault(self, key: Key, message: str) -> None:
+        self.faults.append(self._document.fault(key, message))
 
 
-def _origin(given: str | list[float] | None) -> Origin | GlobalOrigin | None:
-    if given is None:
-        return None
-    return Origin(given) if isinstance(given, str) else GlobalOrigin(given[0], given[1], given[2])
+def _both(first: Fence | None, second: Fence | None) -> Fence | None:
+    if first is None or second is None:
+        return first or second
+    return Fence((*first.areas, *second.areas))
+
+
+def _origin(given: str | list[float] | None) -> Origin | None:
+    return Origin(given) if isinstance(given, str) else None
 
 
 def _start(model: StartModel) -> Start:

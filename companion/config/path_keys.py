@@ -12,7 +12,24 @@ from companion.config.schema import Strict
 from companion.paths.implicit import VARIABLES
 
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
-Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
+_TRIPLE = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+_PLACE = {
+    "type": "object",
+    "properties": {
+        "lat": {"type": "number", "minimum": -89, "maximum": 89, "description": "latitude in degrees"},
+        "lon": {"type": "number", "minimum": -180, "maximum": 180, "description": "longitude in degrees"},
+        "above_home": {"type": "number", "description": "height above the vehicle's home, in m"},
+        "amsl": {"type": "number", "description": "height above mean sea level, in m"},
+    },
+    "required": ["lat", "lon"],
+    "additionalProperties": False,
+}
+"""What ``earth`` turns into a point before a model sees it."""
+Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3), WithJsonSchema({"anyOf": [_TRIPLE, _PLACE]})]
+OriginModel = Annotated[
+    Literal["local", "takeoff", "home"] | Annotated[list[float], Field(min_length=3, max_length=3)] | None,
+    WithJsonSchema({"anyOf": [{"enum": ["local", "takeoff", "home"]}, _TRIPLE, _PLACE]}),
+]
 Metres = Annotated[float, Field(gt=0.0, le=1e5)]
 Points = Annotated[list[Point], Field(min_length=2, max_length=100_000)]
 Frequency = Annotated[int, Field(ge=0, le=50)]

@@ -12,6 +12,7 @@ from companion.config.curves import triple
 from companion.config.document import Document
 from companion.config.faults import Fault
 from companion.config.path_keys import ExpressionModel, ImplicitModel, PathModel
+from companion.config.plan_mission import Planned
 from companion.config.profile_keys import SpeedModel, YawModel
 from companion.mission import Path
 from companion.paths.implicit import VARIABLES
@@ -43,8 +44,11 @@ def known_names(path: PathModel) -> tuple[str, ...]:
 class Profiles:
     """Reads the speed and the yaw of one file for its path; what is wrong goes into ``faults``."""
 
-    def __init__(self, document: Document, model: PathModel, path: Path, faults: list[Fault]) -> None:
+    def __init__(
+        self, document: Document, model: PathModel, path: Path, faults: list[Fault], plan: Planned | None = None
+    ) -> None:
         self._document = document
+        self._plan = plan
         self._path = path
         self._faults = faults
         self._names = known_names(model)
@@ -57,6 +61,8 @@ class Profiles:
                 return AutoSpeed(-1.0 if auto.reverse else 1.0, auto.speed_max, auto.margin)
             case "auto":
                 return AutoSpeed()
+            case "plan" if self._plan is not None:
+                return self._plan.speed
             case keys.SpeedTableModel():
                 return self._table("speed", given.table, speed_table, self._moves)
             case str():
@@ -72,6 +78,8 @@ class Profiles:
                 return TangentYaw(math.radians(given.tangent))
             case "tangent":
                 return TangentYaw()
+            case "plan" if self._plan is not None:
+                return self._plan.yaw
             case keys.YawTableModel():
                 rows = [[s, math.radians(heading)] for s, heading in given.table]
                 return self._table("yaw", rows, yaw_table, lambda rows: None)

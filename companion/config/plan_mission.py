@@ -1,0 +1,152 @@
+"""A plan -> what a mission of kind plan flies: the path, the speed of its legs, its fence, what it counts from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from companion.config.plan_yaw import leg_yaw
+from companion.fence import Fence
+from companion.frames import Vec3
+from companion.geodesy import LocalFrame
+from companion.mission import GlobalOrigin
+from companion.paths.curve import Curve
+from companion.paths.placement import Placement
+from companion.paths.polyline import polyline
+from companion.paths.spline import SPACING, spline
+from companion.plans.items import Plan, fence_in
+from companion.plans.route import Route, Waypoint, route
+from companion.profiles import AutoSpeed, Yaw
+
+HOVER_SPEED = 5.0
+"""m/s, QGroundControl's own default, for plans that do not say."""
+APART = 0.05
+"""m; nearer waypoints are one."""
+TURN_BACK = math.radians(165.0)
+"""A turn from which on a corner is flown as two, one beside the other."""
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A plan made ready. ``curve``: the path, placed. ``origin``: the planned home, which it counts from. ``yaw``: as
+    the plan says, ``look_at`` in the mission's coordinates where it faces one place all the way. ``fence``: in the
+    mission's coordinates. ``notes``: what of the plan is not flown."""
+
+    curve: Curve
+    origin: GlobalOrigin
+    speed: AutoSpeed
+    yaw: Yaw
+    look_at: Vec3 | None
+    fence: Fence | None
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Legs:
+    """``points``: north, east, down in m from the planned home. ``waypoints``: for each the leg that leads to it."""
+
+    points: list[Vec3]
+    waypoints: list[Waypoint]
+    closed: bool
+
+
+def planned(plan: Plan, tolerance: float, smooth: bool, placement: Placement) -> Planned:
+    """``tolerance``: m, how far from a waypoint the path may pass it. ``smooth``: a spline through the waypoints.
+    ``placement``: how the mission counts. PlanError: it cannot be flown. ValueError: its waypoints cannot be joined."""
+    way = route(plan)
+    home = plan.home or (*way.waypoints[0].place[:2], 0.0)
+    frame = LocalFrame(*home)
+    relative = _relative(way)
+    legs = _apart(way, frame)
+    if not smooth:
+        legs = _turned_back(legs, tolerance)
+    points = [placement.to_mission(p) for p in legs.points]
+    curve = spline(points, legs.closed) if smooth else polyline(points, legs.closed, tolerance)
+    curve = curve.placed(placement)
+    arcs = _arcs(curve, legs, smooth)
+    speeds = [w.speed or plan.speed or HOVER_SPEED for w in legs.waypoints]
+    yaw, faced_n = leg_yaw(curve, legs.points, legs.waypoints, arcs, speeds, frame, smooth)
+    fence = fence_in(plan.fence, lambda latitude, longitude: frame.to_local(latitude, longitude, home[2]))
+    return Planned(
+        curve=curve,
+        origin=GlobalOrigin(home[0], home[1], 0.0 if relative else home[2], relative),
+        speed=_speed(arcs, speeds, legs.closed),
+        yaw=yaw,
+        look_at=None if faced_n is None else placement.to_mission(faced_n),
+        fence=None if fence is None else fence.moved(placement.to_mission),
+        notes=_notes(plan, way, home[2]),
+    )
+
+
+def _relative(way: Route) -> bool:
+    return any(not waypoint.place.amsl for waypoint in way.waypoints)
+
+
+def _notes(plan: Plan, way: Route, home: float) -> tuple[str, ...]:
+    notes = list(way.notes)
+    if len({waypoint.place.amsl for waypoint in way.waypoints}) == 2:
+        notes.append(f"altitudes above sea level are taken to be over the planned home at {home:.1f} m above sea level")
+    if plan.rally:
+        notes.append("its rally points are the autopilot's own business")
+    return tuple(notes)
+
+
+def _apart(way: Route, frame: LocalFrame) -> Legs:
+    """The waypoints without those that only say the place of the one before again."""
+    points: list[Vec3] = []
+    kept: list[Waypoint] = []
+    for waypoint in way.waypoints:
+        point = waypoint.place.seen_from(frame)
+        if not points or math.dist(points[-1], point) >= APART:
+            points.append(point)
+            kept.append(waypoint)
+    closed = way.closed
+    if closed and len(points) > 1 and math.dist(points[0], points[-1]) < APART:
+        points.pop()
+        kept.pop()
+    if len(points) < 2:
+        raise ValueError("all its waypoints are at one place")
+    return Legs(points, kept, closed and len(points) > 2)
+
+
+def _turned_back(legs: Legs, tolerance: float) -> Legs:
+    """A turn on the spot is made a turn round ``tolerance`` m beside it: two corners instead of one."""
+    p = np.array(legs.points)
+    ahead = np.roll(p, -1, axis=0) - p
+    ahead /= np.linalg.norm(ahead, axis=1)[:, None]
+    turns = np.arccos(np.clip(np.sum(np.roll(ahead, 1, axis=0) * ahead, axis=1), -1.0, 1.0))
+    points: list[Vec3] = []
+    waypoints: list[Waypoint] = []
+    last = len(p) - 1
+    for i, (point, waypoint) in enumerate(zip(legs.points, legs.waypoints, strict=True)):
+        inner = legs.closed or 0 < i < last
+        if not inner or turns[i] < TURN_BACK:
+            points.append(point)
+            waypoints.append(waypoint)
+            continue
+        north, east, _ = ahead[i - 1]
+        level = math.hypot(north, east)
+        side = (-east / level, north / level) if level > 1e-3 else (0.0, 1.0)
+        for sign in (-tolerance, tolerance):
+            points.append((point[0] + sign * side[0], point[1] + sign * side[1], point[2]))
+            waypoints.append(waypoint)
+    return replace(legs, points=points, waypoints=waypoints)
+
+
+def _arcs(curve: Curve, legs: Legs, smooth: bool) -> list[float]:
+    """m, where along the path each waypoint is; of a closed path the first is at 0."""
+    steps = np.linalg.norm(np.diff(np.array(legs.points), axis=0), axis=1) ** (SPACING if smooth else 1.0)
+    parameters = np.concatenate([[0.0], np.cumsum(steps)])
+    return [0.0, *(curve.arc(float(u)) for u in parameters[1:])]
+
+
+def _speed(arcs: list[float], speeds: list[float], closed: bool) -> AutoSpeed:
+    """Never faster than the plan says, and slower where the vehicle must be."""
+    legs = [*speeds[1:], speeds[0]] if closed else speeds[1:]
+    caps: list[tuple[float, float]] = []
+    for begin, speed in zip(arcs, legs, strict=False):
+        if not caps or caps[-1][1] != speed:
+            caps.append((begin, speed))
+    return AutoSpeed(speed_max=max(legs), caps=tuple(caps) if len(caps) > 1 else ())

@@ -1,0 +1,65 @@
+"""Finding and reading the plan of a mission of kind plan; and a plan given in the place of a mission file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from companion.config.document import Document, parse
+from companion.config.faults import ConfigError, Fault
+from companion.config.path_keys import PlanModel
+from companion.config.places import read
+from companion.config.plan_files import plan_from
+from companion.config.plan_mission import Planned, planned
+from companion.paths.placement import Placement
+from companion.plans.items import PlanError
+
+SUFFIXES = (".plan", ".waypoints")
+
+
+def is_plan(name: str) -> bool:
+    """Whether a file is a plan and not a mission, by its name."""
+    return Path(name).suffix.lower() in SUFFIXES
+
+
+def mission_text(plan: Path) -> str:
+    """The mission file that flies a plan as it is: its speeds at most, its headings, its corners rounded by a metre."""
+    name, file = json.dumps(plan.stem[:80]), json.dumps(plan.name)
+    return f"mission: {name}\nframe: ned\npath: {{kind: plan, file: {file}}}\nspeed: plan\nyaw: plan\n"
+
+
+def parsed(text: str, file: str) -> Document:
+    """The mission file in ``text``; faults of one that stands for a plan are told at the plan's top."""
+    document = parse(text, file)
+    if is_plan(file):
+        return Document(file, document.data, dict.fromkeys(document.lines, 1))
+    return document
+
+
+def plan_path(document: Document, file: str, beside: Path | None) -> Path:
+    """Where the plan ``file`` of a mission lies: seen from the mission file, or in ``beside`` by its last name."""
+    return Path(document.file).parent / file if beside is None else beside / Path(file).name
+
+
+def read_plan(document: Document, model: PlanModel, placement: Placement, beside: Path | None) -> Planned:
+    """What a mission of kind plan flies. ConfigError with every fault of the plan."""
+    path = plan_path(document, model.file, beside)
+    if not path.is_file():
+        raise ConfigError([document.fault(("path", "file"), f"{path}: no such file; expected a .plan or a .waypoints")])
+    plan, lines = plan_from(read(path), str(path))
+    try:
+        return planned(plan, model.corner_tolerance, model.smooth, placement)
+    except PlanError as error:
+        raise ConfigError([lines.fault(problem.key, problem.message) for problem in error.problems]) from None
+    except (ValueError, ArithmeticError) as error:
+        raise ConfigError([Fault(str(path), 1, "", str(error))]) from None
+
+
+def attached(document: Document) -> tuple[str, str] | None:
+    """Name and text of the plan that a mission file needs beside it; None where it needs none."""
+    path = document.data.get("path") if isinstance(document.data, dict) else None
+    file = path.get("file") if isinstance(path, dict) and path.get("kind") == "plan" else None
+    if not isinstance(file, str):
+        return None
+    found = plan_path(document, file, None)
+    return (found.name, read(found)) if found.is_file() else None

@@ -1,0 +1,55 @@
+"""The older text format of waypoints, QGC WPL 110 and 120: a line an item, twelve fields between tabs -> plans."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from companion.config.document import Document
+from companion.config.faults import ConfigError, Fault, Key
+from companion.plans.items import AMSL_FRAMES, WAYPOINT, Item, Plan
+
+FAULTS_MAX = 50
+
+
+def is_waypoints(text: str, file: str) -> bool:
+    """Whether a file is of this format, by its name or by its first line."""
+    return Path(file).suffix.lower() == ".waypoints" or text.startswith("QGC WPL")
+
+
+def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
+    """The plan in a file's ``text``, and the document that knows its lines. ConfigError with every fault."""
+    lines = text.removeprefix("\ufeff").splitlines()
+    header = lines[0].split() if lines else []
+    if header[:2] != ["QGC", "WPL"] or header[2:] not in (["110"], ["120"]):
+        raise ConfigError([Fault(file, 1, "", 'expected the first line "QGC WPL 110"')])
+    faults: list[Fault] = []
+    where: dict[Key, int] = {(): 1}
+    items: list[Item] = []
+    for number, line in enumerate(lines[1:], 2):
+        if not line.strip() or line.startswith("#"):
+            continue
+        fields = line.split("\t") if "\t" in line else line.split()
+        try:
+            values = [float(field) for field in fields]
+            index, command, frame = (int(fields[i]) for i in (0, 3, 2))
+        except (ValueError, IndexError):
+            faults.append(Fault(file, number, "", "expected numbers between tabs: index, current, frame, command, ..."))
+            continue
+        if len(values) != 12 or any(map(math.isinf, values)):
+            faults.append(Fault(file, number, "", f"{len(values)} fields; expected 12, all finite"))
+            continue
+        key: Key = ("item", index)
+        where[key] = number
+        items.append(Item(command, frame, tuple(values[4:11]), index, key))
+    if faults:
+        raise ConfigError(faults[:FAULTS_MAX])
+    home = None
+    notes: tuple[str, ...] = ()
+    first = items[0] if items else None
+    if header[2] == "110" and first is not None and first.command == WAYPOINT and first.frame in AMSL_FRAMES:
+        place = (first.params[4], first.params[5], first.params[6])
+        home = place if place[:2] != (0.0, 0.0) and all(map(math.isfinite, place)) else None
+        notes = ("the first line is taken for home, as QGroundControl does",)
+        items = items[1:]
+    return Plan(tuple(items), home, notes=notes), Document(file, None, where)

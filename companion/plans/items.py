@@ -1,0 +1,111 @@
+"""A plan: mission items as MAVLink knows them, the planned home, the fence, the rally points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from companion.fence import Circle, Fence, Polygon
+from companion.frames import Vec3
+from companion.geodesy import LocalFrame
+
+Key = tuple[str | int, ...]
+"""Where something stands in the plan's file."""
+
+WAYPOINT, LOITER_UNLIMITED, LOITER_TURNS, LOITER_TIME = 16, 17, 18, 19
+RETURN, LAND, TAKEOFF, LOITER_TO_ALTITUDE, SPLINE_WAYPOINT = 20, 21, 22, 31, 82
+VTOL_TAKEOFF, VTOL_LAND, NAV_DELAY, PAYLOAD_PLACE = 84, 85, 93, 94
+CONDITION_DELAY, CONDITION_DISTANCE, CONDITION_YAW = 112, 114, 115
+DO_JUMP, DO_CHANGE_SPEED, DO_LAND_START = 177, 178, 189
+ROI_LOCATION, ROI_NEXT_OFFSET, ROI_NONE, ROI_OLD = 195, 196, 197, 201
+"""MAV_CMD."""
+
+AMSL_FRAMES = frozenset({0, 5})
+RELATIVE_FRAMES = frozenset({3, 6})
+MISSION_FRAME = 2
+TERRAIN_FRAMES = frozenset({10, 11})
+"""MAV_FRAME."""
+
+
+class Place(NamedTuple):
+    """A place on the earth: degrees, and m above mean sea level (``amsl``) or above home."""
+
+    latitude: float
+    longitude: float
+    altitude: float
+    amsl: bool
+
+    def seen_from(self, home: LocalFrame) -> Vec3:
+        """North, east, down in m from ``home``."""
+        north, east, _ = home.to_local(self.latitude, self.longitude, 0.0)
+        return (north, east, (home.altitude if self.amsl else 0.0) - self.altitude)
+
+
+class Item(NamedTuple):
+    """A mission item: MAV_CMD, MAV_FRAME, seven parameters (nan where the plan says null; the last three are latitude,
+    longitude and altitude), and the ``number`` a jump calls it by. ``key``: where it stands in the file."""
+
+    command: int
+    frame: int
+    params: tuple[float, ...]
+    number: int
+    key: Key
+
+
+@dataclass(frozen=True, slots=True)
+class FenceArea:
+    """An area of a fence: a polygon's corners, or a circle's centre and radius (m), in degrees of latitude and
+    longitude. ``inside``: whether one must stay inside of it."""
+
+    corners: tuple[tuple[float, float], ...]
+    radius: float | None
+    inside: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What a ground station wrote. ``home``: the planned home, latitude, longitude, m above mean sea level. ``speed``:
+    m/s to fly at until told otherwise, None where the file does not say. ``rally``: how many rally points it has.
+    ``notes``: what a pilot should know of how it was read."""
+
+    items: tuple[Item, ...]
+    home: tuple[float, float, float] | None = None
+    speed: float | None = None
+    fence: tuple[FenceArea, ...] = ()
+    rally: tuple[Place, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+class Problem(NamedTuple):
+    """Why a plan cannot be flown: what is wrong, and where in its file."""
+
+    key: Key
+    message: str
+
+
+class PlanError(Exception):
+    """A plan that cannot be flown: every reason."""
+
+    def __init__(self, problems: list[Problem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("; ".join(problem.message for problem in problems))
+
+
+def fence_in(areas: tuple[FenceArea, ...], to_plane: Callable[[float, float], Vec3]) -> Fence | None:
+    """The fence in plane coordinates, ``to_plane`` giving those of a latitude and longitude; None for none."""
+
+    def point(at: tuple[float, float]) -> tuple[float, float]:
+        x, y, _ = to_plane(*at)
+        return (x, y)
+
+    if not areas:
+        return None
+    return Fence(
+        tuple(
+            Polygon(tuple(map(point, area.corners)), area.inside)
+            if area.radius is None
+            else Circle(point(area.corners[0]), area.radius, area.inside)
+            for area in areas
+        )
+    )

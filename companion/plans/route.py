@@ -1,0 +1,283 @@
+"""Items -> waypoints in the order they are flown, with the speed and the heading of each leg.
+
+What is a path is honoured: waypoints, changes of speed, headings, points to face, jumps. What stops on the way (holds,
+delays, loiters) is flown through, what is no business of a path (cameras) is skipped, both with a note; what would
+change where the vehicle flies and is not understood is refused.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from companion.plans import items as c
+from companion.plans.items import Item, Key, Place, Plan, PlanError, Problem
+
+STEPS_MAX = 200_000
+"""Items executed, jumps and all."""
+MOVES = frozenset(
+    {c.WAYPOINT, c.LOITER_UNLIMITED, c.LOITER_TURNS, c.LOITER_TIME, c.LOITER_TO_ALTITUDE, c.SPLINE_WAYPOINT}
+)
+NOT_FOR_A_QUADROTOR = {c.VTOL_TAKEOFF: "a VTOL's take-off", c.VTOL_LAND: "a VTOL's landing"}
+LAST_NAV = 95
+"""MAV_CMD_NAV_LAST: commands below it say where to fly."""
+
+
+class Waypoint(NamedTuple):
+    """A point of the route, and the leg that leads to it.
+
+    ``speed``: m/s on the leg, None for the plan's own. ``heading``: degrees clockwise from north on the leg, or a place
+    to face; None: along the leg.
+    """
+
+    place: Place
+    speed: float | None
+    heading: float | Place | None
+    key: Key
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """``waypoints``: two at least. ``closed``: the last is joined to the first, whose leg that is. ``notes``: what of
+    the plan is not flown."""
+
+    waypoints: tuple[Waypoint, ...]
+    closed: bool
+    notes: tuple[str, ...]
+
+
+def route(plan: Plan) -> Route:
+    """The route of a plan. PlanError with every reason why there is none."""
+    return _Walk(plan).route()
+
+
+class _Walk:
+    """Executes the items in order, as the autopilot would."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._waypoints: list[Waypoint] = []
+        self._problems: list[Problem] = []
+        self._notes: dict[str, list[int]] = defaultdict(list)
+        self._speed: float | None = None
+        self._roi: Place | None = None
+        self._yaw: float | None = None
+        self._closed_from: int | None = None
+        self._at = 0
+
+    def route(self) -> Route:
+        """See ``route``."""
+        items = self._plan.items
+        index = {item.number: i for i, item in enumerate(items)}
+        reached: dict[int, int] = {}  # the waypoints there were when an item was first executed
+        jumps: dict[int, int] = {}
+        steps = 0
+        while self._at < len(items) and len(self._problems) < 20:
+            item = items[self._at]
+            steps += 1
+            if steps > STEPS_MAX:
+                self._problem(item, f"jumps make more than {STEPS_MAX} items")
+                break
+            reached.setdefault(self._at, len(self._waypoints))
+            if item.command == c.DO_JUMP:
+                if not self._jumped(item, index, reached, jumps):
+                    break
+            elif self._executed(item):
+                self._at += 1
+            else:
+                break
+        if self._problems:
+            raise PlanError(self._problems)
+        return self._finished()
+
+    def _finished(self) -> Route:
+        waypoints = self._waypoints
+        closed = self._closed_from is not None
+        if self._closed_from is not None:
+            if self._closed_from:
+                self._notes[f"what comes before the loop ({self._closed_from} waypoints) is not flown"] = []
+            first = waypoints[self._closed_from]
+            heading = self._facing(None) if first.heading is None else first.heading
+            waypoints = [first._replace(speed=self._speed, heading=heading), *waypoints[self._closed_from + 1 :]]
+        if len(waypoints) < (3 if closed else 2):
+            found = "none" if not waypoints else "one" if len(waypoints) == 1 else f"{len(waypoints)} in a loop"
+            raise PlanError(
+                [Problem(("mission", "items"), f"a path needs two waypoints (three in a loop), found {found}")]
+            )
+        said = [f"{words}{_numbers(numbers)}" for words, numbers in self._notes.items()]
+        return Route(tuple(waypoints), closed, (*self._plan.notes, *said))
+
+    def _executed(self, item: Item) -> bool:
+        """Whether the route goes on after ``item``."""
+        command = item.command
+        if command in MOVES:
+            self._moved(item)
+            if command == c.LOITER_UNLIMITED:
+                self._note("the path ends where the plan loiters", item)
+                return False
+        elif command == c.TAKEOFF:
+            self._took_off(item)
+        elif command == c.LAND:
+            self._landed(item)
+            return False
+        elif command == c.RETURN:
+            self._note("the path ends where the plan returns home; the vehicle is handed back there, in Hold", item)
+            return False
+        elif command in NOT_FOR_A_QUADROTOR:
+            self._problem(item, f"{NOT_FOR_A_QUADROTOR[command]} (command {command}) is not for a quadrotor")
+        elif command in _CHANGES:
+            _CHANGES[command](self, item)
+        elif command == c.PAYLOAD_PLACE or (command < LAST_NAV and command not in (80, 92)):
+            self._problem(item, f"command {command} says where to fly in a way that is not known here")
+        elif command != c.DO_LAND_START:
+            self._note("cameras, gimbals and the like are skipped", item)
+        return True
+
+    def _moved(self, item: Item) -> None:
+        place = self._place(item)
+        if place is None:
+            return
+        if item.command == c.WAYPOINT and item.params[0] > 0.0:
+            self._note("pauses are not made, the path is flown without a stop", item)
+        elif item.command in (c.LOITER_TIME, c.LOITER_TURNS, c.LOITER_TO_ALTITUDE):
+            self._note("loiters are flown through as waypoints", item)
+        elif item.command == c.SPLINE_WAYPOINT:
+            self._note("spline waypoints are flown as waypoints; say smooth: true for a smooth curve", item)
+        self._waypoints.append(Waypoint(place, self._speed, self._facing(item), item.key))
+
+    def _took_off(self, item: Item) -> None:
+        latitude, longitude, altitude = item.params[4:7]
+        home = self._plan.home
+        if (
+            not math.isfinite(latitude) or not math.isfinite(longitude) or (latitude == 0.0 and longitude == 0.0)
+        ) and home is not None:
+            item = item._replace(params=(*item.params[:4], home[0], home[1], altitude))
+        place = self._place(item)
+        if place is not None:
+            self._waypoints.append(Waypoint(place, self._speed, self._facing(None), item.key))
+
+    def _landed(self, item: Item) -> None:
+        self._note("the path ends above the landing place; the vehicle is handed back there, in Hold", item)
+        latitude, longitude = item.params[4:6]
+        if (
+            not self._waypoints
+            or not math.isfinite(latitude)
+            or not math.isfinite(longitude)
+            or latitude == longitude == 0.0
+        ):
+            return
+        place = self._place(item._replace(params=(*item.params[:6], 0.0)))
+        before = self._waypoints[-1].place
+        if place is not None:
+            above = place._replace(altitude=before.altitude, amsl=before.amsl)
+            self._waypoints.append(Waypoint(above, self._speed, self._facing(item), item.key))
+
+    def _changed_speed(self, item: Item) -> None:
+        kind, speed = item.params[0], item.params[1]
+        if kind not in (0.0, 1.0):
+            self._note("speeds of climbing and sinking are not changed", item)
+        elif not math.isfinite(speed) or speed == -2.0:
+            self._speed = None
+        elif speed > 0.0:
+            self._speed = speed
+        elif speed != -1.0:
+            self._problem(item, f"a speed of {speed:g} m/s; expected more than 0, or -1 for no change")
+
+    def _faced(self, item: Item) -> None:
+        if item.command == c.ROI_OLD and item.params[0] != 3.0:
+            self._note("regions of interest that are not places are skipped", item)
+            return
+        self._roi = self._place(item)
+
+    def _faced_nothing(self, item: Item) -> None:
+        self._roi = None
+
+    def _faced_next(self, item: Item) -> None:
+        self._note("the camera's offset from the way of travel is not flown, the nose goes along the path", item)
+
+    def _turned(self, item: Item) -> None:
+        if item.params[3] == 1.0:
+            self._note("turns by an angle are skipped", item)
+        elif math.isfinite(item.params[0]):
+            self._yaw = item.params[0] % 360.0
+
+    def _delayed(self, item: Item) -> None:
+        self._note("pauses are not made, the path is flown without a stop", item)
+
+    def _jumped(self, item: Item, index: dict[int, int], reached: dict[int, int], jumps: dict[int, int]) -> bool:
+        """Whether the route goes on."""
+        target, repeat = item.params[0], item.params[1]
+        if not math.isfinite(target) or int(target) not in index:
+            self._problem(item, f"jumps to item {target:g}, which is not in the plan")
+            return False
+        to = index[int(target)]
+        if not math.isfinite(repeat) or repeat < 0.0:  # for ever
+            if to not in reached:
+                self._problem(item, "jumps forward for ever")
+                return False
+            self._closed_from = reached[to]
+            return False
+        done = jumps.get(self._at, 0)
+        jumps[self._at] = done + 1
+        self._at = to if done < int(repeat) else self._at + 1
+        return True
+
+    def _facing(self, item: Item | None) -> float | Place | None:
+        if self._roi is not None:
+            return self._roi
+        if item is not None and item.command == c.WAYPOINT and math.isfinite(item.params[3]):
+            self._yaw = None
+            return item.params[3] % 360.0
+        return self._yaw
+
+    def _place(self, item: Item) -> Place | None:
+        latitude, longitude, altitude = item.params[4:7]
+        if item.frame in c.TERRAIN_FRAMES:
+            self._problem(
+                item, "its altitude is over the terrain, which is not known here; expected one above home or sea"
+            )
+        elif item.frame not in c.AMSL_FRAMES and item.frame not in c.RELATIVE_FRAMES:
+            self._problem(item, f"its place is in frame {item.frame}; expected latitude and longitude (0, 3, 5 or 6)")
+        elif not (
+            math.isfinite(latitude) and math.isfinite(longitude) and abs(latitude) <= 89.0 and abs(longitude) <= 180.0
+        ):
+            self._problem(item, f"no place on the earth: latitude {latitude:g}, longitude {longitude:g}")
+        elif not math.isfinite(altitude):
+            self._problem(item, "no altitude; where it was to be over the terrain, the ground station had no data")
+        elif not -500.0 <= altitude <= 10_000.0:
+            self._problem(item, f"an altitude of {altitude:g} m; expected -500 to 10000")
+        else:
+            return Place(latitude, longitude, altitude, item.frame in c.AMSL_FRAMES)
+        return None
+
+    def _problem(self, item: Item, message: str) -> None:
+        self._problems.append(Problem(item.key, message))
+
+    def _note(self, words: str, item: Item) -> None:
+        if item.number not in self._notes[words]:
+            self._notes[words].append(item.number)
+
+
+_CHANGES: dict[int, Callable[[_Walk, Item], None]] = {
+    c.DO_CHANGE_SPEED: _Walk._changed_speed,
+    c.ROI_LOCATION: _Walk._faced,
+    c.ROI_OLD: _Walk._faced,
+    c.ROI_NONE: _Walk._faced_nothing,
+    c.ROI_NEXT_OFFSET: _Walk._faced_next,
+    c.CONDITION_YAW: _Walk._turned,
+    c.NAV_DELAY: _Walk._delayed,
+    c.CONDITION_DELAY: _Walk._delayed,
+    c.CONDITION_DISTANCE: _Walk._delayed,
+}
+
+
+def _numbers(numbers: list[int]) -> str:
+    """(items 3, 5, 7 and 20 more)"""
+    if not numbers:
+        return ""
+    shown = ", ".join(map(str, numbers[:5]))
+    more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
+    return f" (item{'s' if len(numbers) > 1 else ''} {shown}{more})"
