@@ -7,6 +7,7 @@ import enum
 import signal
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 from typing import Annotated, NamedTuple
@@ -16,7 +17,7 @@ import typer
 from companion.config.document import parse
 from companion.config.faults import ConfigError, Fault
 from companion.config.vehicle import load_vehicle
-from companion.config.world import load_world, start_from
+from companion.config.world import home_from, load_world, start_from
 from companion.vehicle import CompanionError, Vehicle
 from companion.world import Start, World
 from sim_bridge.bridge import Bridge
@@ -57,12 +58,16 @@ def fly(
         str | None,
         typer.Option(help='Start in the air: JSON {"position_n": [..], "velocity_n", "q_nb", "rates_b", "held"}.'),
     ] = None,
+    home: Annotated[
+        str | None,
+        typer.Option(help="Where the local frame's origin lies: LATITUDE,LONGITUDE,METRES above sea level."),
+    ] = None,
     truth: Annotated[Path | None, typer.Option(help="Write the true state of every step to this .npy file.")] = None,
 ) -> None:
     """A quadrotor made of software that speaks MAVLink as PX4 does. Ctrl-C ends it."""
     with contextlib.ExitStack() as stack:
         try:
-            inputs = _inputs(vehicle, world, connect, ground_station, start)
+            inputs = _inputs(vehicle, world, connect, ground_station, start, home)
             bridge, server = _prepared(stack, inputs, seed, speed, motors, landed, truth)
         except (CompanionError, ValueError, OSError) as error:
             print(error, file=sys.stderr)
@@ -85,7 +90,7 @@ class Inputs(NamedTuple):
 
 
 def _inputs(
-    vehicle: str, world: str, connect: str | None, ground_station: str | None, start: str | None
+    vehicle: str, world: str, connect: str | None, ground_station: str | None, start: str | None, home: str | None
 ) -> Inputs:  # fmt: skip
     """Read everything. ConfigError with the faults of all of it."""
     faults: list[Fault] = []
@@ -97,6 +102,8 @@ def _inputs(
         surroundings = load_world(world)
     with _collecting(faults):
         begins = None if start is None else start_from(parse(start, "--start"))
+        if surroundings is not None and home is not None:
+            surroundings = replace(surroundings, home=home_from(home, "--home"))
     with _collecting(faults, "--connect"):
         if connect is not None:
             endpoints[0] = endpoint_of(connect)

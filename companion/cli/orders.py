@@ -12,6 +12,7 @@ from companion.config.document import parse
 from companion.config.faults import ConfigError, Fault
 from companion.config.mission import bare_mission_from, mission_from
 from companion.config.places import find, read
+from companion.config.plan_source import attached, is_plan, mission_text, parsed
 from companion.config.vehicle import load_vehicle, vehicle_from
 from companion.daemon.address import AddressError
 from companion.law.gains import Level
@@ -78,7 +79,7 @@ def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, 
     mission = None
     if mission_text is not None:
         law = None if level is None else law_level(level)
-        mission = faults.collect(lambda: mission_from(parse(mission_text.text, mission_text.name), law))
+        mission = faults.collect(lambda: mission_from(parsed(mission_text.text, mission_text.name), law))
     faults.raise_any()
     assert mission is not None and vehicle is not None and level is not None
     assert mission_text is not None and vehicle_text is not None
@@ -108,7 +109,10 @@ def output_level(output: Output, vehicle: Vehicle) -> OutputLevel:
 
 def _source(name: str, kind: str) -> Source:
     path = find(name, kind)
-    return Source(str(path), read(path))
+    if kind == "missions" and is_plan(name):
+        return Source(str(path), mission_text(path), (path.name, read(path)))
+    text = read(path)
+    return Source(str(path), text, attached(text, str(path)) if kind == "missions" else None)
 
 
 def _own_vehicle(mission: Source) -> str | None:

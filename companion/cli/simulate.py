@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import subprocess
 import sys
@@ -18,10 +19,12 @@ from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.progress import Watch
 from companion.daemon.signals import ending_signals
 from companion.frames import quaternion_from_euler
-from companion.mission import Mission, Origin
+from companion.geodesy import LocalFrame
+from companion.mission import GlobalOrigin, Mission, Origin
+from companion.places.standing import Whereabouts, placed
 from companion.record.folder import Recorder
 from companion.vehicle import OutputLevel
-from companion.world import Start, World
+from companion.world import Home, Start, World
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
 from sim_bridge.truth_file import TruthFile
@@ -59,16 +62,28 @@ def start_of(mission: Mission, held: bool = True) -> Start:
     return Start.hover(mission.table.at(0.0)[0], mission.beta(0.0))
 
 
+def at_home(mission: Mission, world: World) -> tuple[Mission, World]:
+    """The mission in the world's local frame. A world that has no place of its own is where the mission is."""
+    origin = mission.origin
+    if isinstance(origin, GlobalOrigin) and world.home == Home():
+        altitude = Home().altitude if origin.above_home else origin.altitude
+        world = dataclasses.replace(world, home=Home(origin.latitude, origin.longitude, altitude))
+    home = (world.home.latitude, world.home.longitude, world.home.altitude)
+    where = Whereabouts((0.0, 0.0, 0.0), on_ground=True, frame=LocalFrame(*home), home=home)
+    return placed(mission, Origin.LOCAL, where), world
+
+
 def in_lockstep(simulation: Simulation) -> int:
     """Fly in one process under a simulated clock; the exit code."""
     sortie = simulation.sortie
     direct = sortie.level is OutputLevel.MOTORS
+    mission, world = at_home(sortie.mission, simulation.world)
     bridge = Bridge(
         sortie.vehicle,
-        simulation.world,
+        world,
         seed=simulation.seed,
         direct=direct,
-        start=None if simulation.from_ground else start_of(sortie.mission),
+        start=None if simulation.from_ground else start_of(mission),
         landed=simulation.from_ground,
         endpoints=1,
     )
@@ -98,15 +113,17 @@ def over_udp(simulation: Simulation) -> int:
     port = UdpPort("127.0.0.1", 0, listen=True)
     recorder = _recorder(simulation, epoch=time.time() - clock())
     vehicle_file = simulation.directory / "vehicle.yaml"
+    mission, world = at_home(sortie.mission, simulation.world)
+    home = f"{world.home.latitude!r},{world.home.longitude!r},{world.home.altitude!r}"
     command = [
         *(sys.executable, "-m", "sim_bridge", "--vehicle", str(vehicle_file), "--world", simulation.world_name),
         *("--connect", f"udpout://127.0.0.1:{port.local[1]}", "--ground-station", "none"),
-        *("--seed", str(simulation.seed), "--truth", str(simulation.directory / "truth.npy")),
+        *("--home", home, "--seed", str(simulation.seed), "--truth", str(simulation.directory / "truth.npy")),
     ]
     if sortie.level is OutputLevel.MOTORS:
         command += ["--motors", "direct"]
     if not simulation.from_ground:
-        start = start_of(sortie.mission)
+        start = start_of(mission)
         told = {
             "position_n": list(start.position_n),
             "velocity_n": list(start.velocity_n),

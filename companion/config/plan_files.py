@@ -93,7 +93,8 @@ class _Reader:
         for name, default in (("command", None), ("frame", None), ("doJumpId", 0)):
             value: Any = given.get(name, default)
             if not _is_number(value) or int(value) != value or not 0 <= value < 1e6:
-                self._fault((*key, name), f"{_shown(value)} is not a whole number")
+                wrong = "missing" if value is None else f"{_shown(value)} is not a whole number"
+                self._fault((*key, name), f"{wrong}; expected one from 0 up")
                 return []
             whole.append(int(value))
         params = given.get("params")

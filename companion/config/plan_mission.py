@@ -115,7 +115,7 @@ def _turned_back(legs: Legs, tolerance: float) -> Legs:
     """A turn on the spot is made a turn round ``tolerance`` m beside it: two corners instead of one."""
     p = np.array(legs.points)
     ahead = np.roll(p, -1, axis=0) - p
-    ahead /= np.linalg.norm(ahead, axis=1)[:, None]
+    ahead /= np.maximum(np.linalg.norm(ahead, axis=1), 1e-9)[:, None]
     turns = np.arccos(np.clip(np.sum(np.roll(ahead, 1, axis=0) * ahead, axis=1), -1.0, 1.0))
     points: list[Vec3] = []
     waypoints: list[Waypoint] = []

@@ -55,11 +55,15 @@ def read_plan(document: Document, model: PlanModel, placement: Placement, beside
         raise ConfigError([Fault(str(path), 1, "", str(error))]) from None
 
 
-def attached(document: Document) -> tuple[str, str] | None:
-    """Name and text of the plan that a mission file needs beside it; None where it needs none."""
+def attached(text: str, file: str) -> tuple[str, str] | None:
+    """Name and text of the plan that a mission file needs beside it; None where it needs none, or cannot be read."""
+    try:
+        document = parse(text, file)
+    except ConfigError:
+        return None  # said where the mission is read
     path = document.data.get("path") if isinstance(document.data, dict) else None
-    file = path.get("file") if isinstance(path, dict) and path.get("kind") == "plan" else None
-    if not isinstance(file, str):
+    named = path.get("file") if isinstance(path, dict) and path.get("kind") == "plan" else None
+    if not isinstance(named, str):
         return None
-    found = plan_path(document, file, None)
+    found = plan_path(document, named, None)
     return (found.name, read(found)) if found.is_file() else None

@@ -8,13 +8,15 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from companion.config.document import Document, parse
+from companion.config.document import Document, parse, scalar
+from companion.config.faults import ConfigError, Fault
 from companion.config.places import find, read
 from companion.config.schema import Strict, validate
 from companion.config.world_keys import (
     BatteryModel,
     EstimateModel,
     GustsModel,
+    HomeModel,
     TruthModel,
     WayModel,
     WorldModel,
@@ -61,6 +63,16 @@ def start_from(document: Document) -> Start:
     (px, py, pz), (vx, vy, vz), (wx, wy, wz) = model.position_n, model.velocity_n, model.rates_b
     w, x, y, z = model.q_nb
     return Start((px, py, pz), (vx, vy, vz), normalised((w, x, y, z)), (wx, wy, wz), model.held)
+
+
+def home_from(text: str, option: str) -> Home:
+    """The home an option gives: latitude, longitude, metres above sea level. ConfigError with every fault."""
+    names = list(HomeModel.model_fields)
+    values = [scalar(part.strip()) for part in text.split(",")]
+    if len(values) != len(names):
+        raise ConfigError([Fault(option, 0, "", f"{text!r}; expected LATITUDE,LONGITUDE,METRES above sea level")])
+    home = validate(Document(option, dict(zip(names, values, strict=True)), {(): 0}), HomeModel)
+    return Home(home.latitude_deg, home.longitude_deg, home.altitude_m)
 
 
 def load_world(name: str) -> World:

@@ -3,7 +3,7 @@
 link.tlog       every frame in both directions
 flight.npy      one row a tick (see ``rows.COLUMNS``)
 truth.npy       simulated flights: the plant's true state
-mission.yaml    vehicle.yaml    the files that were flown, as they were
+mission.yaml    vehicle.yaml    the files that were flown, as they were; and the plan beside a mission that flies one
 resolved.json   what they resolved to: output level, origin in the vehicle's frame, legends of the table
 summary.json    the figures
 report.html     the page
@@ -30,10 +30,12 @@ from companion.vehicle import Landed, Mode
 
 @dataclass(frozen=True)
 class Source:
-    """A file that was flown: its name as given and its text."""
+    """A file that was flown: its name as given and its text. ``attached``: name and text of the file it needs beside
+    it, if it needs one (the plan of a mission of kind plan)."""
 
     name: str
     text: str
+    attached: tuple[str, str] | None = None
 
 
 @dataclass
@@ -55,6 +57,9 @@ class Recorder:
             (self.directory / stale).unlink(missing_ok=True)
         (self.directory / "mission.yaml").write_text(self.mission.text, encoding="utf-8")
         (self.directory / "vehicle.yaml").write_text(self.vehicle.text, encoding="utf-8")
+        if self.mission.attached is not None:
+            name, text = self.mission.attached
+            (self.directory / name).write_text(text, encoding="utf-8")
         self._tlog = TlogWriter(self.directory / "link.tlog", self.epoch)
 
     def frame(self, now: float, raw: bytes) -> None:
@@ -70,6 +75,7 @@ class Recorder:
             "output": plan.level.value,
             "motors": plan.vehicle.motors.value,
             "origin_n": list(plan.mission.placement.origin_n),
+            "turn_rad": plan.mission.placement.turn,
             "duration_s": plan.duration,
             "tuning": plan.tuning._asdict(),
             "begun_at": now,
@@ -107,7 +113,8 @@ class Recorder:
     def discard(self) -> None:
         """Nothing happened: leave no folder behind that holds nothing."""
         self.close()
-        for name in ("link.tlog", "mission.yaml", "vehicle.yaml"):
+        attached = [] if self.mission.attached is None else [self.mission.attached[0]]
+        for name in ("link.tlog", "mission.yaml", "vehicle.yaml", *attached):
             (self.directory / name).unlink(missing_ok=True)
         for path in self._made:
             if not any(path.iterdir()):

@@ -46,6 +46,7 @@ def load_flight(directory: Path) -> Recorded:
         resolved = json.loads(resolved_file.read_text(encoding="utf-8"))
         level = OutputLevel(resolved["output"])
         x, y, z = resolved["origin_n"]
+        turn = float(resolved["turn_rad"])
         begun_at = float(resolved["begun_at"])
         tuning = Tuning(**resolved["tuning"])
         mission = _document(directory / "mission.yaml")
@@ -59,7 +60,7 @@ def load_flight(directory: Path) -> Recorded:
         message = f"not a readable flight folder: {error}"
         raise ConfigError([Fault(str(directory), 1, "", message)]) from None
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
-    flown = flyable(mission_from(mission, law_level(level)), machine)
+    flown = flyable(mission_from(mission, law_level(level), directory), machine).placed((x, y, z), turn)
     plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning)
     return Recorded(plan, table, truth, begun_at)
 
