@@ -10,7 +10,8 @@ stick_flight  what the modes that need a pilot fly
 battery     how full it is
 tilt_watch  whether the vehicle has tipped over
 landing     whether the vehicle is on the ground
-setpoints   offboard setpoints as PX4 reads them
+setpoints, position_setpoints   offboard setpoints as PX4 reads them
+offboard    what is flown of a place or a velocity
 guidance    what the automatic modes fly
 missions/   missions, geofences, rally points: the protocol, what is refused, what is flown
 mission_watch, orders   the mission beside its flight

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from companion.frames import Quaternion, Vec3
 from companion.geodesy import MapProjection
 from companion.mavlink.modes import Landed, Mode
@@ -16,6 +18,8 @@ from sim_bridge.autopilot.guidance import Guidance, Throttle
 from sim_bridge.autopilot.landing import LandingDetector
 from sim_bridge.autopilot.missions.flight import MissionFlight
 from sim_bridge.autopilot.missions.store import Store
+from sim_bridge.autopilot.offboard import PlaceFlight
+from sim_bridge.autopilot.position_setpoints import GLOBAL_INT, GLOBAL_RELATIVE_INT, PositionDemand
 from sim_bridge.autopilot.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
 from sim_bridge.autopilot.stick_flight import BY_PLACE_OR_HEIGHT, StickFlight
 from sim_bridge.autopilot.sticks import CENTRED, Deflection, Sticks
@@ -67,6 +71,7 @@ class Autopilot:
         self.cascade = Cascade(vehicle, step)
         self.sticks = Sticks(self.parameters)
         self.stick_flight = StickFlight(self.parameters, self.cascade.hover, vehicle.gravity)
+        self.place_flight = PlaceFlight(self.parameters)
         self._step = step
         self.estimate = estimate
         self.truth = truth
@@ -178,6 +183,18 @@ class Autopilot:
         commander.update(self.t)
         self.whereabouts.update(estimate, commander.armed, commander.landed)
 
+    def place_of(self, latitude: float, longitude: float, altitude: float, frame: int) -> Vec3 | None:
+        """A place on the globe (degrees, m of ``frame``) in the local frame; None: it cannot be known."""
+        if not self.whereabouts.position_known or not math.isfinite(altitude):
+            return None
+        if frame == GLOBAL_RELATIVE_INT:
+            if self.whereabouts.home_set_us is None:
+                return None
+            altitude += self.home_altitude
+        elif frame != GLOBAL_INT:  # above the terrain, which is flat
+            altitude += self.home.altitude
+        return (*self.projection.project(latitude, longitude), self.home.altitude - altitude)
+
     @property
     def home_altitude(self) -> float:
         """m above the sea."""
@@ -204,6 +221,8 @@ class Autopilot:
             return
         self.commander.setpoint_arrived(self.t)
         if self.commander.armed and self.commander.mode is Mode.OFFBOARD:
+            if isinstance(demand, PositionDemand) and not isinstance(self.demand, PositionDemand):
+                self.cascade.begin_position()
             self.demand = demand
             self.offboard_flown = True
 
@@ -256,11 +275,25 @@ class Autopilot:
         demand, cascade = self.demand, self.cascade
         if isinstance(demand, MotorDemand):
             return cascade.fly_motors(now, demand.commands)
+        if isinstance(demand, PositionDemand):
+            return self._fly_to_a_place(now, demand)
         if demand is not None:
             return self._fly(now, demand)
         if self.direct:
             return cascade.fly_motors(now, cascade.commands)
         return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, self.commander.landed)
+
+    def _fly_to_a_place(self, now: Estimate, demand: PositionDemand) -> Four:
+        """A place, a velocity, an acceleration."""
+        commander, cascade = self.commander, self.cascade
+        if cascade.wants_target:
+            wanted = self.place_flight.aim(
+                now, demand, self.t - commander.armed_at, commander.landed, self._stands, self._landing.touching
+            )  # fmt: skip
+            if isinstance(wanted, Throttle):
+                return self._open_throttle(now, wanted)
+            cascade.aim(now, wanted)
+        return cascade.fly_aim(now)
 
     def _fly(self, now: Estimate, demand: AttitudeDemand | RateDemand) -> Four:
         """An attitude or rates."""

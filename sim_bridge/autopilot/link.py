@@ -7,15 +7,16 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
-from sim_bridge.autopilot import parameter_link
+from sim_bridge.autopilot import parameter_link, position_setpoints
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander import Result, Text
+from sim_bridge.autopilot.commander import Result, Severity, Text
 from sim_bridge.autopilot.commands import NOT_GIVEN, SET_MODE, Command, execute, is_integer_max, set_mode
 from sim_bridge.autopilot.commands.parts import GROUND_STATION_COMPONENT
 from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
 from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
 from sim_bridge.autopilot.missions.protocol import MissionLink
 from sim_bridge.autopilot.parameter_link import ParameterLink
+from sim_bridge.autopilot.position_setpoints import PositionDemand
 from sim_bridge.autopilot.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
 from sim_bridge.autopilot.sticks import MANUAL_CONTROL, deflection
 from sim_bridge.autopilot.streams import Streams
@@ -80,6 +81,8 @@ class Link:
             ACTUATORS.id: self._actuators,
             ATTITUDE_TARGET.id: self._attitude_target,
             MANUAL_CONTROL.id: self._manual_control,
+            position_setpoints.LOCAL.id: self._local_target,
+            position_setpoints.GLOBAL.id: self._global_target,
             parameter_link.READ.id: self._parameters.read,
             parameter_link.LIST.id: self._parameters.list,
             parameter_link.SET.id: self._parameters.set,
@@ -251,6 +254,20 @@ class Link:
             demand = attitude_target(frame.values)
             if demand is not None:
                 self._autopilot.offboard(demand)
+
+    def _local_target(self, frame: Frame) -> None:
+        if _targets_us(frame):
+            self._take_place(position_setpoints.local_target(frame, self._autopilot.estimate.q_nb))
+
+    def _global_target(self, frame: Frame) -> None:
+        if _targets_us(frame):
+            self._take_place(position_setpoints.global_target(frame, self._autopilot.place_of))
+
+    def _take_place(self, demand: PositionDemand | str | None) -> None:
+        if isinstance(demand, str):
+            self._autopilot.commander.say(Severity.CRITICAL, demand)
+        elif demand is not None:
+            self._autopilot.offboard(demand)
 
     def _actuators(self, frame: Frame) -> None:
         if _targets_us(frame):

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from companion.frames import Quaternion
 from companion.mavlink.dialect import Value, message
+from sim_bridge.autopilot.position_setpoints import PositionDemand
 from sim_bridge.control.rates import RatesWanted
 from sim_bridge.rotors import Four
 
@@ -63,7 +64,7 @@ class AttitudeDemand:
     heading_rate: float
 
 
-Demand = MotorDemand | RateDemand | AttitudeDemand
+Demand = MotorDemand | RateDemand | AttitudeDemand | PositionDemand
 
 
 def attitude_target(values: tuple[Value, ...]) -> RateDemand | AttitudeDemand | None:

@@ -25,6 +25,8 @@ MOTOR_OFF = 900
 IDLE_THRUST = 0.001
 FULL_SPEED_RPM = 10_000.0
 LOCAL_NED, GLOBAL_INT = 1, 5  # MAV_FRAME
+BY_STICK = (2, 3)
+"""Main modes that a pilot flies through the position loop."""
 ONLINE = 15
 """ESC_INFO's bits of four motors that answer."""
 _FALLING = (NAN, NAN, NAN, NAN, NAN, NAN, 0.0, 0.0, 100.0)
@@ -51,7 +53,7 @@ def position_target_local_ned(a: Autopilot) -> Values | None:
     if not _position_is_controlled(a):
         return None
     time_ms = a.estimate.time_us // 1000
-    target = a.guidance.target
+    target = _target(a)
     if a.commander.landed or not a.commander.armed or target is None:
         return (time_ms, *_FALLING, heading_of(a.estimate.q_nb), 0.0, 63, LOCAL_NED)
     values = _numbers(target)
@@ -68,6 +70,13 @@ def position_target_global_int(a: Autopilot) -> Values | None:
     _, _, _, *rest = _numbers(target)
     altitude = a.home.altitude - place[2]
     return (a.estimate.time_us // 1000, latitude, longitude, altitude, *rest, 0, GLOBAL_INT)
+
+
+def _target(a: Autopilot) -> Target | None:
+    """What was last asked of the position loop."""
+    if a.commander.mode is Mode.OFFBOARD:
+        return a.place_flight.target
+    return a.stick_flight.target if a.commander.mode.main in BY_STICK else a.guidance.target
 
 
 def _position_is_controlled(a: Autopilot) -> bool:

@@ -1,0 +1,49 @@
+"""What offboard flies of the last setpoint."""
+
+from __future__ import annotations
+
+from companion.frames import euler_from_rotation, rotation_matrix
+from sim_bridge.autopilot.guidance import CLOSED_OF_HOVER, RAMP_OF_HOVER, Throttle
+from sim_bridge.autopilot.parameters import Parameters
+from sim_bridge.autopilot.position_setpoints import PositionDemand
+from sim_bridge.control.position import Target
+from sim_bridge.sensors import Estimate
+
+STOP = (0.0, 0.0, 0.0)
+
+
+class PlaceFlight:
+    """The flight of a PositionDemand, from the ground to the ground. ``target``: what was last asked for."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        self._rises_from: float | None = None  # s, when the throttle began to open
+        self.target: Target | None = None
+
+    def aim(
+        self, now: Estimate, demand: PositionDemand, armed_for: float, landed: bool, stands: bool, touching: bool
+    ) -> Target | Throttle:  # fmt: skip
+        """What the position loop is to fly. ``armed_for``: s; ``stands``: the legs are on the ground."""
+        self.target = None
+        t = now.time_us * 1e-6
+        climbs = demand.can_be_flown and demand.climbs_from(now.p_n[2])
+        if landed or (self._rises_from is not None and stands):
+            if not climbs or armed_for < self._parameters["COM_SPOOLUP_TIME"]:
+                self._rises_from = None
+                return Throttle(0.0)
+            self._rises_from = t if self._rises_from is None else self._rises_from
+            ramp = max(0.1, RAMP_OF_HOVER * self._parameters["MPC_TKO_RAMP_T"])
+            return Throttle((t - self._rises_from) / ramp)
+        self._rises_from = None
+        if touching and demand.sinks(now.p_n[2]):
+            return Throttle(CLOSED_OF_HOVER)
+        heading = demand.heading
+        if heading is None:
+            heading = euler_from_rotation(rotation_matrix(now.q_nb))[0]
+        if demand.can_be_flown:
+            self.target = Target(
+                demand.position, demand.velocity, heading, demand.acceleration, demand.heading_rate
+            )  # fmt: skip
+        else:  # PX4's answer to what makes no sense: stop and wait
+            self.target = Target((None, None, None), STOP, heading)
+        return self.target
