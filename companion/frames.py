@@ -122,3 +122,20 @@ def upright_error(r: Matrix3) -> tuple[float, float]:
         return (-y, x)
     size = math.hypot(x, y)
     return (-y / size, x / size) if size > 1e-9 else (1.0, 0.0)
+
+
+def turned(r: Matrix3, w_b: Vec3, h: float) -> Matrix3:
+    """R_nb after ``h`` s of body rates ``w_b`` (rad/s), to second order in the angle."""
+    p, q, w = w_b[0] * h, w_b[1] * h, w_b[2] * h
+    xx, yy, zz = 0.5 * p * p, 0.5 * q * q, 0.5 * w * w
+    xy, xz, yz = 0.5 * p * q, 0.5 * p * w, 0.5 * q * w
+    # I + S + S^2/2, S the matrix of the vector product with the angle
+    a, b, c = 1.0 - yy - zz, xy - w, xz + q
+    d, e, f = xy + w, 1.0 - xx - zz, yz - p
+    g, i, k = xz - q, yz + p, 1.0 - xx - yy
+    r0, r1, r2, r3, r4, r5, r6, r7, r8 = r
+    return (
+        r0 * a + r1 * d + r2 * g, r0 * b + r1 * e + r2 * i, r0 * c + r1 * f + r2 * k,
+        r3 * a + r4 * d + r5 * g, r3 * b + r4 * e + r5 * i, r3 * c + r4 * f + r5 * k,
+        r6 * a + r7 * d + r8 * g, r6 * b + r7 * e + r8 * i, r6 * c + r7 * f + r8 * k,
+    )  # fmt: skip

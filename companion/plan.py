@@ -88,13 +88,16 @@ def prepared(
         law = curve_law(
             placed.path, placed.speed, placed.yaw, law_level(level), model_of(vehicle), gains, bounds, direction
         )
+    hold = hold_law(law_level(level), model_of(vehicle), usual, bounds)
     # a smooth step of the speed is steepest in its middle, by 1.875
     ramp_time = 0.0 if vehicle.limits is None else 1.875 * max(map(abs, speeds)) / RAMP_ACCELERATION
     return Plan(
         mission=placed,
         vehicle=vehicle,
         level=level,
-        steering=_steering(law, hold_law(law_level(level), model_of(vehicle), usual, bounds), vehicle, level, tuning),
+        steering=_steering(
+            law, hold_law(law_level(level), model_of(vehicle), usual, bounds), vehicle, level, tuning, gains.h4[0]
+        ),
         table=table,
         direction=direction,
         ramp_time=ramp_time,
@@ -104,9 +107,12 @@ def prepared(
     )
 
 
-def _steering(law: Law, hold: HoldLaw, vehicle: Vehicle, level: OutputLevel, tuning: Tuning) -> Steering:
+def _steering(
+    law: Law, hold: HoldLaw, vehicle: Vehicle, level: OutputLevel, tuning: Tuning, yaw_gain: float
+) -> Steering:
     if level is OutputLevel.MOTORS:
         return motor_steering(law, hold, vehicle)
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
-    return rate_steering(law, hold, vehicle, encoding, hover, Prior(drag=(vehicle.drag, DRAG_DOUBT)))
+    prior = Prior(drag=(vehicle.drag, DRAG_DOUBT))
+    return rate_steering(law, hold, vehicle, encoding, hover, prior, yaw_gain)

@@ -70,7 +70,7 @@ def predicted(
     left, mean = lift_step(response.motor_lag, h)
     (x, y, z), (vx, vy, vz) = p_n, v_n
     qw, qx, qy, qz = q_nb
-    (wp, wq, wr), (pd, qd, rd), f = inner
+    (wp, wq, wr), (pd, qd, rd), f, trim = inner
     scale, c, (dx, dy_n, dz), g = known
     last = len(sent) - 1
     i = 0
@@ -80,6 +80,7 @@ def predicted(
         while i < last and sent[i + 1].at <= t:
             i += 1
         _, (sp, sq, sr), lift = sent[i]
+        sr += trim
         yp, yq, yr = wp - sp, wq - sq, wr - sr
         # half the angles turned in this step, each axis by its own loop
         hp, hq, hr = (

@@ -19,6 +19,9 @@ STEP = 0.012
 """s, the longest step of a prediction."""
 YAW_LAG, YAW_TORQUE_LAG = 0.43, 0.07
 """s: PX4's yaw loop is soft and its torque filtered (MC_YAWRATE_P, MC_YAW_TQ_CUTOFF)."""
+YAW_OBSERVER = (9.7, 20.0, 15.4)
+"""1/s, 1/s^2, 1/s: draw yaw rate, its derivative and the trim to the gyro; poles at -8 for the lags above."""
+YAW_TRIM_MAX = 1.0
 LAG_MIN, MOTOR_LAG_MIN = 0.005, 0.004
 """s: what is quicker counts as this quick."""
 
@@ -33,11 +36,14 @@ class Sent(NamedTuple):
 
 
 class Inner(NamedTuple):
-    """Body rates rad/s, their derivatives rad/s^2, and the lift m/s^2 that the motors make of what was asked for."""
+    """Body rates rad/s, their derivatives rad/s^2, the lift m/s^2 that the motors make of what was asked for, and
+    ``yaw_trim`` rad/s: the vehicle turns as if so much more yaw rate had been asked for (drag of its turning, an
+    integral that fills, rotors that do not match)."""
 
     w_b: Vec3
     w_dot_b: Vec3
     lift: float
+    yaw_trim: float = 0.0
 
 
 class Response(NamedTuple):
@@ -106,14 +112,15 @@ def followed(inner: Inner, response: Response, sent: tuple[Sent, ...], begin: fl
     total = 0.0
     for k in range(steps):
         _, rates, lift = in_force(sent, begin + (k + 0.5) * h)
-        (p, q, r), (pd, qd, rd), f = inner
-        yp, yq, yr = p - rates[0], q - rates[1], r - rates[2]
+        (p, q, r), (pd, qd, rd), f, trim = inner
+        goal = rates[2] + trim
+        yp, yq, yr = p - rates[0], q - rates[1], r - goal
         total += lift + mean * (f - lift)
         inner = Inner(
             (
                 rates[0] + tilting.yy * yp + tilting.yd * pd,
                 rates[1] + tilting.yy * yq + tilting.yd * qd,
-                rates[2] + turning.yy * yr + turning.yd * rd,
+                goal + turning.yy * yr + turning.yd * rd,
             ),
             (
                 tilting.dy * yp + tilting.dd * pd,
@@ -121,6 +128,7 @@ def followed(inner: Inner, response: Response, sent: tuple[Sent, ...], begin: fl
                 turning.dy * yr + turning.dd * rd,
             ),
             lift + left * (f - lift),
+            trim,
         )
     return inner, total / steps
 
@@ -137,6 +145,13 @@ def corrected(inner: Inner, measured_b: Vec3, dt: float) -> Inner:
     """``inner`` drawn towards the measured body rates, ``dt`` s after the last ones."""
     near = 1.0 - math.exp(-dt / 0.006)
     far = min(750.0 * dt, 12.0)
-    (p, q, r), (pd, qd, rd), lift = inner
+    (p, q, r), (pd, qd, rd), lift, trim = inner
     ip, iq, ir = measured_b[0] - p, measured_b[1] - q, measured_b[2] - r
-    return Inner((p + near * ip, q + near * iq, r + near * ir), (pd + far * ip, qd + far * iq, rd + far * ir), lift)
+    h = min(dt, 0.03)
+    l1, l2, l3 = YAW_OBSERVER
+    return Inner(
+        (p + near * ip, q + near * iq, r + l1 * h * ir),
+        (pd + far * ip, qd + far * iq, rd + l2 * h * ir),
+        lift,
+        max(-YAW_TRIM_MAX, min(YAW_TRIM_MAX, trim + l3 * h * ir)),
+    )

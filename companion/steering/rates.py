@@ -18,8 +18,8 @@ from companion.estimation.kalman import DRAG, KAPPA
 from companion.estimation.observer import Observed, Prior, first_observed, observed
 from companion.estimation.prediction import Ahead, Known, predicted
 from companion.estimation.response import Inner, Response, Sent, corrected, followed
-from companion.frames import Quaternion, Vec3, rotation_matrix, upright_error
-from companion.law.flight import Flying, Law
+from companion.frames import Quaternion, Vec3, rotation_matrix, turned, upright_error, wrap
+from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
 from companion.steering.steering import Aim, Along, Estimates, Steered
@@ -30,6 +30,12 @@ TILTING_MAX = 4.0
 """rad/s of roll and pitch rate."""
 THRUST_MIN, THRUST_MAX = 0.05, 0.97
 """Normalised: the range that is sent. A little is left for the vehicle's own rate loop."""
+YAW_LEAD = 0.36
+"""s, how much earlier than it is wanted a yaw rate is asked for; the yaw loop's lag for what turns at 1 to 3 rad/s."""
+YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.25, 0.3, 0.3
+"""A quarter puts both poles of the heading at half the yaw gain; rad/s; rad of error within which it is summed."""
+SLOPE_OVER = 0.05
+"""s over which the slope of the yaw rate is taken."""
 STRAINED = 0.9
 """Normalised thrust above which single motors meet their limits and nothing is learned."""
 GAP_MAX = 0.5
@@ -39,7 +45,8 @@ LEVEL_GAIN, LEVEL_RATE_MAX = 3.0, 2.0
 
 class RateMemory(NamedTuple):
     """``state``: the last one, with ``observed`` and ``inner`` at its stamp. ``sent``: the commands that act at or
-    after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the last command met a limit."""
+    after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the last command met a limit.
+    ``yaw_sum``: rad/s, what a heading error that stays has added up to."""
 
     state: VehicleState
     observed: Observed
@@ -47,6 +54,7 @@ class RateMemory(NamedTuple):
     sent: tuple[Sent, ...]
     zeta: float
     limited: bool = False
+    yaw_sum: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +70,7 @@ class RateSteering:
     hover_thrust: float
     prior: Prior
     encoding: Encoding
+    yaw_gain: float
 
     def begin(self, state: VehicleState) -> RateMemory:
         """Hovering, as far as anybody knows."""
@@ -91,11 +100,14 @@ class RateSteering:
             drag=belief.drag,
             s=aim.s if isinstance(aim, Along) else 0.0,
         )
-        command = self.law(flying, aim.ramp) if isinstance(aim, Along) else self.hold(flying, *aim)
+        command = self._asked(flying, aim)
         per_lift = vehicle.mass * belief.kappa
         highest = min(self.range.high, THRUST_MAX * per_lift * vehicle.gravity / self.hover_thrust)
         later, slope, bound = self.range.integrated(zeta, command.zeta_derivative, dt, highest)
-        rates, clipped = self._clipped(command.turn)
+        p, q, r = command.turn
+        yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
+        r += (YAW_LEAD - lag) * self._yaw_slope(flying, command, aim) - memory.inner.yaw_trim - yaw_sum
+        rates, clipped = self._clipped((p, q, r))
         # thrust answers sooner than the rates do
         lift = (zeta + slope * (half - (lag - self.response.motor_lag))) / per_lift
         wanted = lift * self.hover_thrust / vehicle.gravity
@@ -106,7 +118,7 @@ class RateSteering:
         limited = bound or clipped or thrust != wanted
         return Steered(
             setpoint=self.encoding.setpoint(rates, thrust, q_nb),
-            memory=memory._replace(sent=sent, zeta=later, limited=limited or thrust > STRAINED),
+            memory=memory._replace(sent=sent, zeta=later, yaw_sum=yaw_sum, limited=limited or thrust > STRAINED),
             command=command,
             zeta=later,
             zeta_dot=slope,
@@ -118,6 +130,37 @@ class RateSteering:
                 belief.kappa, belief.drag, belief.disturbance_n, belief.bias_n, acts_after, self.response.lag
             ),
         )
+
+    def _asked(self, flying: Flying, aim: Aim) -> Command:
+        return self.law(flying, aim.ramp) if isinstance(aim, Along) else self.hold(flying, *aim)
+
+    def _yaw_summed(self, yaw_sum: float, command: Command, dt: float) -> float:
+        """The sum of the heading error, which a yaw loop that falls short of its peaks would leave behind."""
+        error = wrap(command.yaw - command.beta)
+        if abs(error) < YAW_SUM_WITHIN:
+            yaw_sum += YAW_SUM_GAIN * self.yaw_gain * self.yaw_gain * error * dt
+        return min(max(yaw_sum, -YAW_SUM_MAX), YAW_SUM_MAX)
+
+    def _yaw_slope(self, flying: Flying, command: Command, aim: Aim) -> float:
+        """rad/s^2, how the yaw rate the law asks for is about to change: asked again, a moment later in the motion it
+        wants, the heading error as it is. PX4's yaw loop is several times slower than the tilting ones and needs this
+        lead."""
+        h, vehicle = SLOPE_OVER, self.vehicle
+        r, lift = flying.r_nb, flying.zeta / vehicle.mass
+        (x, y, z), (vx, vy, vz), (dx, dy, dz), c = flying.p_n, flying.v_n, flying.disturbance, flying.drag
+        ax, ay, az = dx - lift * r[2] - c * vx, dy - lift * r[5] - c * vy, vehicle.gravity + dz - lift * r[8] - c * vz
+        g = 0.5 * h
+        p, q, s = command.turn
+        # without the part that turns the heading error out
+        forward = r[0] * r[0] + r[3] * r[3]
+        s += self.yaw_gain * wrap(command.yaw - command.beta) * forward / max(r[8], 0.2)
+        later = flying._replace(
+            p_n=(x + h * (vx + g * ax), y + h * (vy + g * ay), z + h * (vz + g * az)),
+            v_n=(vx + h * ax, vy + h * ay, vz + h * az),
+            r_nb=turned(r, (p, q, s), h),
+            zeta=max(flying.zeta + h * command.zeta_derivative, 0.5 * flying.zeta),
+        )
+        return (self._asked(later, aim).turn[2] - command.turn[2]) / h
 
     def level(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
         """See Steering."""
@@ -191,8 +234,8 @@ class RateSteering:
 
 
 def rate_steering(
-    law: Law, hold: HoldLaw, vehicle: Vehicle, encoding: Encoding, hover_thrust: float, prior: Prior
+    law: Law, hold: HoldLaw, vehicle: Vehicle, encoding: Encoding, hover_thrust: float, prior: Prior, yaw_gain: float
 ) -> RateSteering:
     """Steering for ``vehicle``."""
     response = Response(vehicle.rate_loop_lag, vehicle.motor_lag)
-    return RateSteering(law, hold, vehicle, thrust_range(vehicle), response, hover_thrust, prior, encoding)
+    return RateSteering(law, hold, vehicle, thrust_range(vehicle), response, hover_thrust, prior, encoding, yaw_gain)
