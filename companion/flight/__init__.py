@@ -1,5 +1,11 @@
 """The flight as a state machine: what it is doing, what may happen to it, what it does then.
 
-phases    the phases and the events, and the table of what follows what
-guards    what is seen -> events, each with its reason in words
+conduct    how a flight is to be conducted, as values: manner, finish, limits
+phases     the phases and the events, and the table of what follows what
+situation  what is looked at, as one value
+guards     what is seen -> events, each with its reason in words
+preflight  what must be there before the flight begins
+safety     what may not go on: conditions, times, actions
+output     at which level setpoints go out, and why
+epilogue   how it ended, in one sentence
 """

@@ -5,12 +5,13 @@ A guard is a pure function of the situation: it says why its event has happened,
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Callable
-from typing import NamedTuple
 
-from companion.flight.phases import EXITS, PHASES, Event, Phase, Request
-from companion.vehicle import Landed, Mode, VehicleStatus
+from companion.flight.conduct import Finish, Manner
+from companion.flight.phases import EXITS, FLOWN, PHASES, Event, Phase
+from companion.flight.safety import Action
+from companion.flight.situation import Reply, Situation
+from companion.vehicle import Landed, Mode
 
 STALE_AFTER = 0.2
 """s without a state before it is stale."""
@@ -18,57 +19,6 @@ CONFIRM_WITHIN = 1.5
 """s after an accepted mode change within which telemetry must show it (the heartbeat alone is 1 Hz)."""
 STREAM_FIRST = 0.1
 """s of setpoints before OFFBOARD is asked for: PX4 refuses the mode without a stream."""
-
-
-class Reply(enum.Enum):
-    """How a vehicle answers a request (MAV_RESULT)."""
-
-    ACCEPTED = 0
-    TEMPORARILY_REJECTED = 1
-    DENIED = 2
-    UNSUPPORTED = 3
-    FAILED = 4
-    IN_PROGRESS = 5
-    CANCELLED = 6
-
-    @property
-    def words(self) -> str:
-        """As a sentence says it."""
-        return self.name.lower().replace("_", " ")
-
-
-class Answer(NamedTuple):
-    """The vehicle's answer to a request."""
-
-    request: Request
-    reply: Reply
-
-    @property
-    def accepted(self) -> bool:
-        """Whether the vehicle does it, or is about to."""
-        return self.reply in (Reply.ACCEPTED, Reply.IN_PROGRESS)
-
-
-class Situation(NamedTuple):
-    """What the guards look at.
-
-    ``now``, ``entered``: s, our clock, and since when the phase lasts. ``status``: what the vehicle said.
-    ``mode_seen``: the mode of this phase was seen in telemetry. ``state_at``: when the last state arrived.
-    ``answer``: the last answer to this phase's request. ``from_ground``: the flight began on the ground and is to end
-    there. ``stop``: told to stop. ``finished``, ``law_error``: reasons, or None.
-    """
-
-    phase: Phase
-    now: float
-    entered: float
-    status: VehicleStatus
-    mode_seen: bool
-    state_at: float | None
-    answer: Answer | None
-    from_ground: bool
-    stop: bool = False
-    finished: str | None = None
-    law_error: str | None = None
 
 
 def decide(situation: Situation) -> tuple[Phase, Event, str] | None:
@@ -82,22 +32,37 @@ def decide(situation: Situation) -> tuple[Phase, Event, str] | None:
 
 EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
     Phase.TAKE_OFF: frozenset({Mode.TAKEOFF, Mode.HOLD}),
-    Phase.FOLLOW: frozenset({Mode.OFFBOARD}),
+    **dict.fromkeys(FLOWN, frozenset({Mode.OFFBOARD})),
     Phase.LAND: frozenset({Mode.LAND}),
+    Phase.RETURN: frozenset({Mode.RETURN}),
 }
 """The modes in which a phase that has seen its mode goes on."""
 
 
 def _ready_on_ground(s: Situation) -> str | None:
-    if s.state_at is None or not s.status.ready or s.status.landed is not Landed.ON_GROUND or s.status.armed:
+    on_ground = s.status.landed is Landed.ON_GROUND and not s.status.armed
+    if s.manner is not Manner.COMPANION or s.missing is not None or not on_ground:
         return None
     return "the vehicle is ready on the ground"
 
 
 def _ready_in_air(s: Situation) -> str | None:
-    if s.state_at is None or not s.status.armed or s.status.landed is not Landed.IN_AIR:
+    flies = s.status.armed and s.status.landed is Landed.IN_AIR
+    if s.manner is not Manner.COMPANION or s.missing is not None or not flies:
         return None
     return "the vehicle is flying"
+
+
+def _ready_for_pilot(s: Situation) -> str | None:
+    if s.manner is not Manner.PILOT or s.missing is not None:
+        return None
+    return "all is ready; the path is flown while the pilot has OFFBOARD selected"
+
+
+def _ready_to_rehearse(s: Situation) -> str | None:
+    if s.manner not in (Manner.REHEARSAL, Manner.BENCH) or s.missing is not None:
+        return None
+    return "all is ready; nothing is armed and nothing commanded"
 
 
 def _armed(s: Situation) -> str | None:
@@ -111,25 +76,62 @@ def _in_air(s: Situation) -> str | None:
 
 
 def _in_offboard(s: Situation) -> str | None:
+    if s.manner is Manner.PILOT:
+        flies = s.status.armed and s.status.landed is Landed.IN_AIR and s.status.mode is Mode.OFFBOARD
+        return "the pilot selected OFFBOARD" if flies else None
     # an accepted change is the vehicle's word as much as a heartbeat is, and up to a second earlier
     if s.status.mode is Mode.OFFBOARD or (s.answer is not None and s.answer.accepted):
         return "OFFBOARD accepted"
     return None
 
 
+def _settled(s: Situation) -> str | None:
+    return "the thrust is known" if s.settled else None
+
+
+def _joined(s: Situation) -> str | None:
+    return "at the path" if s.joined else None
+
+
+def _at_end(s: Situation) -> str | None:
+    return "the end of the path" if s.at_end else None
+
+
+def _turned(s: Situation) -> str | None:
+    return "flying back" if s.joined and s.goes_back else None
+
+
 def _finished(s: Situation) -> str | None:
     return s.finished
 
 
+def _left(s: Situation) -> bool:
+    """Whether the vehicle is out of OFFBOARD for good: neither in it nor meant to be."""
+    if s.status.mode in (None, Mode.OFFBOARD) or s.status.intended is Mode.OFFBOARD:
+        return False
+    return s.status.intended is not None or not s.status.failsafe
+
+
+def _ending(s: Situation) -> Finish:
+    if s.stop or s.faulty or s.manner is not Manner.COMPANION or s.status.mode is not Mode.HOLD:
+        return Finish.HOLD
+    if s.finish is Finish.AS_BEGUN:
+        return Finish.LAND if s.from_ground else Finish.HOLD
+    return s.finish
+
+
 def _held(s: Situation) -> str | None:
-    handed_back = s.status.mode not in (None, Mode.OFFBOARD)
-    lands = s.from_ground and not s.stop and s.status.mode is Mode.HOLD
-    return f"the vehicle is in {_mode(s)}" if handed_back and not lands else None
+    if not _left(s) or (s.phase is Phase.HAND_BACK and _ending(s) is not Finish.HOLD):
+        return None
+    return f"the vehicle is in {_mode(s)}"
 
 
 def _held_to_land(s: Situation) -> str | None:
-    lands = s.from_ground and not s.stop and s.status.mode is Mode.HOLD
-    return "the vehicle holds" if lands else None
+    return "the vehicle holds" if _left(s) and _ending(s) is Finish.LAND else None
+
+
+def _held_to_return(s: Situation) -> str | None:
+    return "the vehicle holds" if _left(s) and _ending(s) is Finish.RETURN else None
 
 
 def _down(s: Situation) -> str | None:
@@ -142,23 +144,45 @@ def _disarmed(s: Situation) -> str | None:
     return "disarmed" if s.status.armed is False else None
 
 
+def _let_go(s: Situation) -> str | None:
+    return f"the vehicle is in {_mode(s)} and will not return to OFFBOARD" if _left(s) else None
+
+
 def _stop(s: Situation) -> str | None:
     return "stopped by the user" if s.stop else None
 
 
-def _taken_over(s: Situation) -> str | None:
+def _elsewhere(s: Situation) -> bool:
+    """Whether the phase's mode was seen and is no longer flown."""
     expected = EXPECTED_MODES.get(s.phase)
-    if expected is None or not s.mode_seen or s.status.mode in expected or s.status.mode is None:
+    known = expected is not None and s.status.mode not in (None, *expected)
+    return known and s.mode_seen and s.status.armed is not False
+
+
+def _by_itself(s: Situation) -> bool:
+    return s.phase in FLOWN and (bool(s.status.failsafe) or s.status.intended is Mode.OFFBOARD)
+
+
+def _left_offboard(s: Situation) -> str | None:
+    if s.manner is not Manner.PILOT or not _elsewhere(s) or _by_itself(s):
         return None
-    if s.status.armed is False:
+    return f"the pilot took over: the mode is {_mode(s)} now"
+
+
+def _taken_over(s: Situation) -> str | None:
+    if s.manner is Manner.PILOT or not _elsewhere(s) or _by_itself(s):
         return None
-    if s.phase is Phase.FOLLOW and (s.status.failsafe or s.status.intended is Mode.OFFBOARD):
-        return f"the vehicle left OFFBOARD by itself, for {_mode(s)} (a failsafe); it flies itself now"
     return f"the operator took over: the mode is {_mode(s)} now"
 
 
+def _failsafe(s: Situation) -> str | None:
+    if not _elsewhere(s) or not _by_itself(s):
+        return None
+    return f"the vehicle left OFFBOARD by itself, for {_mode(s)} (a failsafe)"
+
+
 def _lost_power(s: Situation) -> str | None:
-    return "the vehicle was disarmed" if s.status.armed is False and s.phase is not Phase.PREFLIGHT else None
+    return "the vehicle was disarmed" if s.status.armed is False else None
 
 
 def _stale(s: Situation) -> str | None:
@@ -171,6 +195,14 @@ def _law_failed(s: Situation) -> str | None:
     return s.law_error
 
 
+def _lost(s: Situation) -> str | None:
+    return s.verdict.reason if s.verdict.action is Action.ABORT else None
+
+
+def _unsafe(s: Situation) -> str | None:
+    return s.verdict.reason if s.verdict.action is Action.HAND_BACK else None
+
+
 def _refused(s: Situation) -> str | None:
     if s.answer is None or s.answer.accepted or s.answer.reply is Reply.TEMPORARILY_REJECTED:
         return None
@@ -180,21 +212,17 @@ def _refused(s: Situation) -> str | None:
 def _timed_out(s: Situation) -> str | None:
     row = PHASES[s.phase]
     lasted = s.now - s.entered
-    if s.phase is Phase.FOLLOW:
-        if not s.mode_seen and lasted > CONFIRM_WITHIN:
-            return f"OFFBOARD was accepted but the vehicle reports {_mode(s)}"
-        return None
+    if s.phase in FLOWN and s.manner is Manner.COMPANION and not s.mode_seen and lasted > CONFIRM_WITHIN:
+        return f"OFFBOARD was accepted but the vehicle reports {_mode(s)}"
     if row.time_out is None or lasted <= row.time_out:
         return None
+    if s.phase is Phase.HAND_BACK and s.manner is Manner.PILOT:
+        return None  # it is held until the pilot has it
     why = ""
     if s.phase is Phase.PREFLIGHT:
-        why = ": " + (
-            "no state arrives"
-            if s.state_at is None
-            else "the vehicle says it is not ready to arm"
-            if not s.status.ready
-            else "it does not say whether it stands or flies"
-        )
+        why = f": {s.missing or 'the vehicle neither stands disarmed nor flies'}"
+    elif s.phase is Phase.SETTLE:
+        why = ": the thrust that carries the vehicle was not found"
     elif s.answer is not None and not s.answer.accepted:
         why = f": the vehicle answered {s.answer.reply.words}"
     elif row.request is not None and s.answer is None:
@@ -209,19 +237,31 @@ def _mode(s: Situation) -> str:
 GUARDS: dict[Event, Callable[[Situation], str | None]] = {
     Event.READY_ON_GROUND: _ready_on_ground,
     Event.READY_IN_AIR: _ready_in_air,
+    Event.READY_FOR_PILOT: _ready_for_pilot,
+    Event.READY_TO_REHEARSE: _ready_to_rehearse,
     Event.ARMED: _armed,
     Event.IN_AIR: _in_air,
     Event.IN_OFFBOARD: _in_offboard,
+    Event.SETTLED: _settled,
+    Event.JOINED: _joined,
+    Event.AT_END: _at_end,
+    Event.TURNED: _turned,
     Event.FINISHED: _finished,
     Event.HELD: _held,
     Event.HELD_TO_LAND: _held_to_land,
+    Event.HELD_TO_RETURN: _held_to_return,
     Event.DOWN: _down,
     Event.DISARMED: _disarmed,
+    Event.LET_GO: _let_go,
     Event.STOP: _stop,
+    Event.LEFT_OFFBOARD: _left_offboard,
     Event.TAKEN_OVER: _taken_over,
+    Event.FAILSAFE: _failsafe,
     Event.LOST_POWER: _lost_power,
     Event.STALE: _stale,
     Event.LAW_FAILED: _law_failed,
+    Event.LOST: _lost,
+    Event.UNSAFE: _unsafe,
     Event.REFUSED: _refused,
     Event.TIMED_OUT: _timed_out,
 }

@@ -16,12 +16,19 @@ class Phase(enum.Enum):
     PREFLIGHT = "preflight"
     ARM = "arm"
     TAKE_OFF = "take off"
+    STAND_BY = "stand by"
     TAKE_OVER = "take over"
+    SETTLE = "settle"
+    JOIN = "join"
     FOLLOW = "follow"
+    REST = "rest"
     HAND_BACK = "hand back"
     LAND = "land"
+    RETURN = "return"
     DISARM = "disarm"
     ABORT = "abort"
+    RELEASE = "release"
+    REHEARSE = "rehearse"
     DONE = "done"
 
 
@@ -30,20 +37,32 @@ class Event(enum.Enum):
 
     READY_ON_GROUND = "ready on the ground"
     READY_IN_AIR = "ready in the air"
+    READY_FOR_PILOT = "ready for the pilot"
+    READY_TO_REHEARSE = "ready to rehearse"
     ARMED = "armed"
     IN_AIR = "in the air"
     IN_OFFBOARD = "in offboard"
+    SETTLED = "thrust known"
+    JOINED = "at the path"
+    AT_END = "at the end of the path"
+    TURNED = "ready to fly back"
     FINISHED = "finished"
     HELD = "held in the air"
     HELD_TO_LAND = "held, to be landed"
+    HELD_TO_RETURN = "held, to return"
     DOWN = "on the ground"
     DISARMED = "disarmed"
+    LET_GO = "offboard no longer meant"
     # pre-empting
     STOP = "told to stop"
+    LEFT_OFFBOARD = "pilot left offboard"
     TAKEN_OVER = "mode changed by another"
+    FAILSAFE = "vehicle in a failsafe"
     LOST_POWER = "disarmed by another"
     STALE = "state is stale"
     LAW_FAILED = "law not defined"
+    LOST = "a guard aborts"
+    UNSAFE = "a guard hands back"
     REFUSED = "refused by the vehicle"
     TIMED_OUT = "took too long"
 
@@ -57,11 +76,12 @@ class Request(enum.Enum):
     OFFBOARD = "offboard mode"
     HOLD = "hold mode"
     LAND = "land"
+    RETURN = "return mode"
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A phase: what it asks for, how long it may take (s; None: as long as it wants), whether it sends setpoints."""
+    """A phase: what it asks for, how long it may take (s; None: as long as it wants), whether the law steers in it."""
 
     request: Request | None
     time_out: float | None
@@ -72,58 +92,92 @@ PHASES: dict[Phase, Row] = {
     Phase.PREFLIGHT: Row(None, 60.0, False),
     Phase.ARM: Row(Request.ARM, 10.0, False),
     Phase.TAKE_OFF: Row(Request.TAKE_OFF, 40.0, False),
+    Phase.STAND_BY: Row(None, None, False),
     Phase.TAKE_OVER: Row(Request.OFFBOARD, 5.0, True),
+    Phase.SETTLE: Row(None, 12.0, True),
+    Phase.JOIN: Row(None, 120.0, True),
     Phase.FOLLOW: Row(None, None, True),
+    Phase.REST: Row(None, 20.0, True),
     Phase.HAND_BACK: Row(Request.HOLD, 5.0, True),
     Phase.LAND: Row(Request.LAND, 180.0, False),
+    Phase.RETURN: Row(Request.RETURN, 300.0, False),
     Phase.DISARM: Row(Request.DISARM, 10.0, False),
-    Phase.ABORT: Row(Request.HOLD, 5.0, True),
+    Phase.ABORT: Row(Request.HOLD, 15.0, True),
+    Phase.RELEASE: Row(Request.HOLD, 300.0, False),
+    Phase.REHEARSE: Row(None, 120.0, True),
     Phase.DONE: Row(None, None, False),
 }
 
 TRANSITIONS: dict[tuple[Phase, Event], Phase] = {
     (Phase.PREFLIGHT, Event.READY_ON_GROUND): Phase.ARM,
     (Phase.PREFLIGHT, Event.READY_IN_AIR): Phase.TAKE_OVER,
+    (Phase.PREFLIGHT, Event.READY_FOR_PILOT): Phase.STAND_BY,
+    (Phase.PREFLIGHT, Event.READY_TO_REHEARSE): Phase.REHEARSE,
     (Phase.ARM, Event.ARMED): Phase.TAKE_OFF,
     (Phase.TAKE_OFF, Event.IN_AIR): Phase.TAKE_OVER,
-    (Phase.TAKE_OVER, Event.IN_OFFBOARD): Phase.FOLLOW,
+    (Phase.STAND_BY, Event.IN_OFFBOARD): Phase.SETTLE,
+    (Phase.TAKE_OVER, Event.IN_OFFBOARD): Phase.SETTLE,
+    (Phase.SETTLE, Event.SETTLED): Phase.JOIN,
+    (Phase.JOIN, Event.JOINED): Phase.FOLLOW,
     (Phase.FOLLOW, Event.FINISHED): Phase.HAND_BACK,
+    (Phase.FOLLOW, Event.AT_END): Phase.REST,
+    (Phase.REST, Event.TURNED): Phase.FOLLOW,
+    (Phase.REST, Event.FINISHED): Phase.HAND_BACK,
     (Phase.HAND_BACK, Event.HELD): Phase.DONE,
     (Phase.HAND_BACK, Event.HELD_TO_LAND): Phase.LAND,
+    (Phase.HAND_BACK, Event.HELD_TO_RETURN): Phase.RETURN,
     (Phase.LAND, Event.DOWN): Phase.DISARM,
-    (Phase.DISARM, Event.DISARMED): Phase.DONE,
+    (Phase.RETURN, Event.DOWN): Phase.DISARM,
+    (Phase.DISARM, Event.DISARMED): Phase.RELEASE,
     (Phase.ABORT, Event.HELD): Phase.DONE,
-    (Phase.ABORT, Event.HELD_TO_LAND): Phase.DONE,
+    (Phase.RELEASE, Event.LET_GO): Phase.DONE,
+    (Phase.REHEARSE, Event.FINISHED): Phase.DONE,
 }
 
+FLOWN = (Phase.SETTLE, Phase.JOIN, Phase.FOLLOW, Phase.REST)
+"""The phases in which the vehicle flies on our setpoints and is meant to."""
+
 PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
-    (Event.LOST_POWER, dict.fromkeys((Phase.TAKE_OFF, Phase.TAKE_OVER, Phase.FOLLOW, Phase.HAND_BACK, Phase.ABORT),
-                                     Phase.DONE)),
-    (Event.TAKEN_OVER, dict.fromkeys((Phase.TAKE_OFF, Phase.FOLLOW, Phase.LAND), Phase.DONE)),
-    (Event.STALE, dict.fromkeys((Phase.TAKE_OVER, Phase.FOLLOW, Phase.HAND_BACK), Phase.ABORT)),
-    (Event.LAW_FAILED, dict.fromkeys((Phase.TAKE_OVER, Phase.FOLLOW, Phase.HAND_BACK), Phase.ABORT)),
+    (Event.LOST_POWER, dict.fromkeys(
+        (Phase.TAKE_OFF, Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK, Phase.ABORT), Phase.RELEASE)),
+    (Event.LEFT_OFFBOARD, dict.fromkeys(FLOWN, Phase.STAND_BY)),
+    (Event.TAKEN_OVER, dict.fromkeys((Phase.TAKE_OFF, *FLOWN, Phase.LAND, Phase.RETURN), Phase.DONE)),
+    (Event.FAILSAFE, dict.fromkeys(FLOWN, Phase.RELEASE)),
+    (Event.STALE, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
+    (Event.LAW_FAILED, {
+        **dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT),
+        Phase.REHEARSE: Phase.DONE,
+    }),
+    (Event.LOST, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
+    (Event.UNSAFE, dict.fromkeys((Phase.TAKE_OVER, *FLOWN), Phase.HAND_BACK)),
     (Event.STOP, {
         Phase.PREFLIGHT: Phase.DONE,
         Phase.ARM: Phase.DISARM,
         Phase.TAKE_OFF: Phase.HAND_BACK,
+        Phase.STAND_BY: Phase.DONE,
         Phase.TAKE_OVER: Phase.HAND_BACK,
-        Phase.FOLLOW: Phase.HAND_BACK,
+        **dict.fromkeys(FLOWN, Phase.HAND_BACK),
+        Phase.REHEARSE: Phase.DONE,
     }),
     (Event.REFUSED, {
         Phase.ARM: Phase.DONE,
         Phase.TAKE_OFF: Phase.DISARM,
         Phase.TAKE_OVER: Phase.ABORT,
+        Phase.RETURN: Phase.DONE,
     }),
     (Event.TIMED_OUT, {
         Phase.PREFLIGHT: Phase.DONE,
         Phase.ARM: Phase.DISARM,
         Phase.TAKE_OFF: Phase.ABORT,
         Phase.TAKE_OVER: Phase.ABORT,
-        Phase.FOLLOW: Phase.ABORT,
+        **dict.fromkeys(FLOWN, Phase.HAND_BACK),
         Phase.HAND_BACK: Phase.ABORT,
         Phase.LAND: Phase.DONE,
+        Phase.RETURN: Phase.DONE,
         Phase.DISARM: Phase.DONE,
         Phase.ABORT: Phase.DONE,
+        Phase.RELEASE: Phase.DONE,
+        Phase.REHEARSE: Phase.DONE,
     }),
 )  # fmt: skip
 """The worst first: of several events at once, the first that knows the phase decides."""

@@ -1,0 +1,64 @@
+"""How a flight is to be conducted: who arms and takes over, how it ends, what it may not leave."""
+
+from __future__ import annotations
+
+import enum
+import math
+from typing import NamedTuple
+
+
+class Manner(enum.Enum):
+    """Who does what.
+
+    ``COMPANION`` arms, takes off and changes the mode. ``PILOT``: the human does all that; the companion follows while
+    he has OFFBOARD selected. ``REHEARSAL`` computes and sends nothing. ``BENCH`` shows, props off, that the commanded
+    turning points back when the vehicle is tilted by hand.
+    """
+
+    COMPANION = "companion"
+    PILOT = "pilot"
+    REHEARSAL = "rehearsal"
+    BENCH = "bench"
+
+
+class Finish(enum.Enum):
+    """What follows a path that was flown. ``AS_BEGUN``: landing where the flight began on the ground, else holding."""
+
+    AS_BEGUN = "as begun"
+    HOLD = "hold"
+    LAND = "land"
+    RETURN = "return"
+
+
+class Limits(NamedTuple):
+    """What may not be left while we fly.
+
+    ``tube``: m of distance to the path once it was reached. ``floor``, ``ceiling``: m above ``ground`` (the down
+    coordinate of the ground or of home). ``tilt``: rad. ``battery``: 0..1. ``radius``, ``height``: m from home, as the
+    vehicle's own fence says. None: no limit, or not known.
+    """
+
+    tube: float | None = 5.0
+    floor: float | None = None
+    ceiling: float | None = None
+    ground: float | None = None
+    tilt: float | None = None
+    battery: float | None = 0.15
+    radius: float | None = None
+    height: float | None = None
+    home: tuple[float, float, float] | None = None
+
+
+class Conduct(NamedTuple):
+    """``at_once``: the path is flown from the first setpoint on, without settling or joining (a simulated flight that
+    begins in a given state). ``speed_scale_max``: how much faster than the mission it may be asked to fly."""
+
+    manner: Manner = Manner.COMPANION
+    finish: Finish = Finish.AS_BEGUN
+    limits: Limits = Limits()
+    at_once: bool = False
+    speed_scale_max: float = 1.0
+
+
+TILT_MARGIN = math.radians(5.0)
+"""rad that our own tilt guard stays under the vehicle's failure detector."""

@@ -1,0 +1,216 @@
+"""What may not go on: rows of (condition, how long, what is done). The worst row that has lasted decides.
+
+A condition is a pure function of what is seen; it says in words why it holds, or nothing.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from companion.flight.conduct import Limits
+from companion.vehicle import VehicleStatus
+
+ESTIMATOR_PARTS = ((1, "attitude"), (2, "horizontal velocity"), (4, "vertical velocity"), (8 | 16, "horizontal position"),
+                   (32, "height"))  # fmt: skip
+"""The bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for."""
+CLOCK_JUMP = 0.5
+RATE_ERROR = 3.0
+BEHIND = 5
+SLOW_RATE = 12.0
+FENCE_AHEAD = 1.0
+FAR_OFF = 1.0
+
+
+class Action(enum.IntEnum):
+    """What is done, the worse the larger: nothing; HOLD is asked for and the law flies until it is there; HOLD is asked
+    for and the vehicle is only levelled."""
+
+    NONE = 0
+    HAND_BACK = 1
+    ABORT = 2
+
+
+class Sight(NamedTuple):
+    """What the rows look at.
+
+    ``following``: the path is flown now, and it was reached. ``path_error``: m. ``height``: m above the ground, None
+    where that is not known. ``fence_margin``: m to the mission's fence, inside positive. ``from_home``: m level, and
+    ``above_home`` m. ``tilt``: rad. ``rate_error``: rad/s between the rates asked for and flown, None where none are.
+    ``saturated``: a limit of the vehicle was met. ``jump``: m that the position jumped at an estimator's reset.
+    ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
+    together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``companions``: others
+    that speak on the link.
+    """
+
+    status: VehicleStatus
+    following: bool = False
+    path_error: float = 0.0
+    height: float | None = None
+    fence_margin: float = math.inf
+    from_home: float | None = None
+    above_home: float | None = None
+    tilt: float = 0.0
+    rate_error: float | None = None
+    saturated: bool = False
+    jump: float = 0.0
+    clock_jump: float = 0.0
+    behind: int = 0
+    rate: float | None = None
+    companions: int = 0
+
+
+class Row(NamedTuple):
+    """``breached`` for ``after`` s: ``action``. ``advice``: what to do next, for the pilot."""
+
+    breached: Callable[[Sight, Limits], str | None]
+    after: float
+    action: Action
+    advice: str
+
+
+def missing_estimate(flags: int | None) -> str | None:
+    """What the estimator does not know; None where it knows enough, or has not said."""
+    if flags is None:
+        return None
+    missing = [words for bits, words in ESTIMATOR_PARTS if not flags & bits]
+    return " and ".join(missing) if missing else None
+
+
+def _estimator(s: Sight, limits: Limits) -> str | None:
+    missing = missing_estimate(s.status.estimator)
+    return None if missing is None else f"the estimator has lost its {missing}"
+
+
+def _jump(s: Sight, limits: Limits) -> str | None:
+    if limits.tube is None or s.jump <= limits.tube:
+        return None
+    return f"the estimator moved the vehicle by {s.jump:.1f} m at once, out of the tube of {limits.tube:g} m"
+
+
+def _clock(s: Sight, limits: Limits) -> str | None:
+    if abs(s.clock_jump) <= CLOCK_JUMP:
+        return None
+    way = "ahead" if s.clock_jump > 0.0 else "back"
+    return f"the vehicle's clock jumped {way} by {abs(s.clock_jump):.1f} s"
+
+
+def _tilt(s: Sight, limits: Limits) -> str | None:
+    if limits.tilt is None or s.tilt <= limits.tilt:
+        return None
+    return f"the vehicle leans by {math.degrees(s.tilt):.0f} degrees, more than {math.degrees(limits.tilt):.0f}"
+
+
+def _rates(s: Sight, limits: Limits) -> str | None:
+    if s.rate_error is None or s.rate_error <= RATE_ERROR:
+        return None
+    return f"the vehicle turns {s.rate_error:.1f} rad/s otherwise than it is told"
+
+
+def _floor(s: Sight, limits: Limits) -> str | None:
+    if limits.floor is None or s.height is None or s.height >= limits.floor:
+        return None
+    return f"{s.height:.1f} m above the ground, below the floor of {limits.floor:g} m"
+
+
+def _ceiling(s: Sight, limits: Limits) -> str | None:
+    if limits.ceiling is None or s.height is None or s.height <= limits.ceiling:
+        return None
+    return f"{s.height:.1f} m above the ground, above the ceiling of {limits.ceiling:g} m"
+
+
+def _fence(s: Sight, limits: Limits) -> str | None:
+    return None if s.fence_margin >= 0.0 else f"the vehicle is {-s.fence_margin:.1f} m outside the mission's fence"
+
+
+def _own_fence(s: Sight, limits: Limits) -> str | None:
+    if limits.radius and s.from_home is not None and s.from_home > limits.radius - FENCE_AHEAD:
+        return f"{s.from_home:.0f} m from home, at the vehicle's own fence of {limits.radius:g} m (GF_MAX_HOR_DIST)"
+    if limits.height and s.above_home is not None and s.above_home > limits.height - FENCE_AHEAD:
+        return f"{s.above_home:.0f} m above home, at the vehicle's own fence of {limits.height:g} m (GF_MAX_VER_DIST)"
+    return None
+
+
+def _tube(s: Sight, limits: Limits) -> str | None:
+    if not s.following or limits.tube is None or s.path_error <= limits.tube:
+        return None
+    return f"{s.path_error:.1f} m from the path, outside the tube of {limits.tube:g} m"
+
+
+def _saturated(s: Sight, limits: Limits) -> str | None:
+    return "the vehicle is at its limits and cannot fly this" if s.saturated and limits.tilt is not None else None
+
+
+def _battery(s: Sight, limits: Limits) -> str | None:
+    battery = s.status.battery
+    if battery is None or limits.battery is None or battery >= limits.battery:
+        return None
+    return f"the battery is at {100.0 * battery:.0f} %, below {100.0 * limits.battery:.0f} %"
+
+
+def _off_the_path(s: Sight, limits: Limits) -> str | None:
+    if not s.following or s.path_error <= FAR_OFF:
+        return None
+    return f"{s.path_error:.1f} m from the path and not coming nearer"
+
+
+def _behind(s: Sight, limits: Limits) -> str | None:
+    return None if s.behind < BEHIND else f"the computer is {s.behind} states behind"
+
+
+def _slow(s: Sight, limits: Limits) -> str | None:
+    return None if s.rate is None or s.rate >= SLOW_RATE else f"only {s.rate:.0f} states a second arrive"
+
+
+def _others(s: Sight, limits: Limits) -> str | None:
+    return "another companion speaks on the link (a heartbeat of component 191)" if s.companions else None
+
+
+ROWS: tuple[Row, ...] = (
+    Row(_estimator, 0.3, Action.ABORT, "land it by hand and see the estimator's log"),
+    Row(_jump, 0.0, Action.ABORT, "see why the estimator was reset, then start again"),
+    Row(_clock, 0.0, Action.ABORT, "see whether the autopilot restarted, then start again"),
+    Row(_tilt, 0.15, Action.ABORT, "land it and look at motors and propellers, or fly slower"),
+    Row(_rates, 0.4, Action.ABORT, "land it and look at motors and propellers"),
+    Row(_floor, 0.1, Action.HAND_BACK, "raise the path, or lower the floor"),
+    Row(_ceiling, 0.1, Action.HAND_BACK, "lower the path, or raise the ceiling"),
+    Row(_fence, 0.1, Action.HAND_BACK, "move the path, or the fence"),
+    Row(_own_fence, 0.1, Action.HAND_BACK, "move the path, or the vehicle's fence"),
+    Row(_tube, 1.0, Action.HAND_BACK, "fly slower or in less wind, or widen the tube"),
+    Row(_saturated, 4.0, Action.HAND_BACK, "fly slower; companion check says how much"),
+    Row(_battery, 2.0, Action.HAND_BACK, "land it and charge"),
+    Row(_off_the_path, 20.0, Action.HAND_BACK, "fly slower or in less wind"),
+    Row(_behind, 0.5, Action.HAND_BACK, "end what else runs on the computer, or ask for fewer states"),
+    Row(_slow, 1.0, Action.HAND_BACK, "raise the link's speed"),
+    Row(_others, 0.0, Action.HAND_BACK, "stop the other companion"),
+)
+
+Since = tuple[float | None, ...]
+"""For each row since when (s) it is breached; None where it is not."""
+NOTHING_SINCE: Since = (None,) * len(ROWS)
+
+
+class Verdict(NamedTuple):
+    """The worst that has lasted long enough, why, and what to do next."""
+
+    action: Action
+    reason: str | None
+    advice: str | None = None
+
+
+NO_FAULT = Verdict(Action.NONE, None)
+
+
+def watched(since: Since, sight: Sight, limits: Limits, now: float) -> tuple[Since, Verdict]:
+    """Look at every row: since when each is breached, and the verdict."""
+    later: list[float | None] = []
+    worst = NO_FAULT
+    for row, begun in zip(ROWS, since, strict=True):
+        reason = row.breached(sight, limits)
+        start = None if reason is None else (now if begun is None else begun)
+        later.append(start)
+        if start is not None and now - start >= row.after and row.action > worst.action:
+            worst = Verdict(row.action, reason, row.advice)
+    return tuple(later), worst

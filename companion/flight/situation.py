@@ -1,0 +1,73 @@
+"""What the guards look at, as one value."""
+
+from __future__ import annotations
+
+import enum
+from typing import NamedTuple
+
+from companion.flight.conduct import Finish, Manner
+from companion.flight.phases import Phase, Request
+from companion.flight.safety import NO_FAULT, Verdict
+from companion.vehicle import VehicleStatus
+
+
+class Reply(enum.Enum):
+    """How a vehicle answers a request (MAV_RESULT)."""
+
+    ACCEPTED = 0
+    TEMPORARILY_REJECTED = 1
+    DENIED = 2
+    UNSUPPORTED = 3
+    FAILED = 4
+    IN_PROGRESS = 5
+    CANCELLED = 6
+
+    @property
+    def words(self) -> str:
+        """As a sentence says it."""
+        return self.name.lower().replace("_", " ")
+
+
+class Answer(NamedTuple):
+    """The vehicle's answer to a request."""
+
+    request: Request
+    reply: Reply
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the vehicle does it, or is about to."""
+        return self.reply in (Reply.ACCEPTED, Reply.IN_PROGRESS)
+
+
+class Situation(NamedTuple):
+    """What the guards look at.
+
+    ``now``, ``entered``: s, our clock, and since when the phase lasts. ``status``: what the vehicle said.
+    ``mode_seen``: the mode of this phase was seen in telemetry. ``state_at``: when the last state arrived.
+    ``answer``: the last answer to this phase's request. ``from_ground``: the flight began on the ground.
+    ``faulty``: something went wrong before. ``stop``: told to stop. ``missing``: what the preflight lacks.
+    ``settled``, ``joined``, ``at_end``: the thrust is known, the path is reached, its open end is. ``goes_back``: the
+    path is flown back from its end. ``finished``, ``law_error``: reasons, or None. ``verdict``: of the safety rows.
+    """
+
+    phase: Phase
+    now: float
+    entered: float
+    status: VehicleStatus
+    mode_seen: bool
+    state_at: float | None
+    answer: Answer | None
+    from_ground: bool
+    manner: Manner = Manner.COMPANION
+    finish: Finish = Finish.AS_BEGUN
+    faulty: bool = False
+    stop: bool = False
+    missing: str | None = None
+    settled: bool = False
+    joined: bool = False
+    at_end: bool = False
+    goes_back: bool = False
+    finished: str | None = None
+    law_error: str | None = None
+    verdict: Verdict = NO_FAULT
