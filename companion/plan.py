@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from companion.estimation.observer import DRAG_DOUBT, Prior
+from companion.flight.conduct import Conduct
 from companion.frames import Vec3
 from companion.law.feedback import Bounds
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
@@ -26,6 +27,7 @@ RAMP_ACCELERATION = 1.5
 """m/s^2, the steepest rise of the speed at the start."""
 SPEED_SAMPLES = 400
 NOT_SAID = Tuning()
+AS_USUAL = Conduct()
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,7 @@ class Plan:
     ``mission``: placed in the vehicle's local frame; ``table``: its curve; ``steering``: the law for ``vehicle`` at an
     output ``level``. ``direction``: +1 along mu, -1 against. ``ramp_time``: s until full speed, 0 for none. ``laps``,
     ``duration`` (s): when following is finished; None until told. ``tuning``: what the autopilot's parameters say.
+    ``conduct``: how the flight is conducted.
     """
 
     mission: Mission
@@ -47,6 +50,7 @@ class Plan:
     laps: float | None
     duration: float | None
     tuning: Tuning = NOT_SAID
+    conduct: Conduct = AS_USUAL
 
 
 def law_level(level: OutputLevel) -> Level:
@@ -61,6 +65,7 @@ def prepared(
     origin_n: Vec3,
     duration: float | None = None,
     tuning: Tuning = NOT_SAID,
+    conduct: Conduct = AS_USUAL,
 ) -> Plan:
     """The plan for a mission whose origin lies at ``origin_n`` of the vehicle's local frame.
 
@@ -104,6 +109,7 @@ def prepared(
         laps=placed.laps,
         duration=duration,
         tuning=tuning,
+        conduct=conduct,
     )
 
 

@@ -13,6 +13,7 @@ from companion.config.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.fastest import flyable
+from companion.flight.conduct import Conduct
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Value, message
 from companion.mission import Origin
@@ -90,6 +91,7 @@ def flight(
     seed: int = 0,
     record: Path | None = None,
     time_out: float = 120.0,
+    conduct: Conduct | None = None,
     prepare: Callable[[Flown], None] | None = None,
     meddle: Callable[[Flown, float], None] | None = None,
 ) -> Flown:
@@ -111,7 +113,9 @@ def flight(
             for kind, name in (("missions", mission), ("vehicles", vehicle))
         ]
         recorder = Recorder(record, *sources, epoch=0.0)
-    conductor = Conductor(Orders(read, machine, level, duration, Origin.LOCAL, set_parameters=True), recorder, 0.0)
+    conduct = (conduct or Conduct())._replace(at_once=read.start is not None)
+    orders = Orders(read, machine, level, duration, Origin.LOCAL, set_parameters=True, conduct=conduct)
+    conductor = Conductor(orders, recorder, 0.0)
     flown = Flown(conductor, between)
     if prepare is not None:
         prepare(flown)

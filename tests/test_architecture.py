@@ -28,12 +28,12 @@ MAY_IMPORT: dict[str, str] = {
     # steering: the range in which the thrust is kept is one of the limits
     "feasibility": "frames fence calculus vehicle paths profiles law allocation mission steering",
     "flight": "vehicle fence",
-    "plan": "frames vehicle paths profiles law mission estimation steering",
-    "pilot": "frames vehicle law paths steering flight plan",
+    "plan": "frames vehicle paths profiles law mission estimation steering flight",
+    "pilot": "frames vehicle law paths mission steering flight plan",
     "mavlink": "frames vehicle",
     "config": "frames fence geodesy plans calculus vehicle world paths profiles law mission",
     "record": "frames vehicle world paths law mission feasibility plan flight pilot mavlink config",
-    "daemon": "frames geodesy vehicle flight mission places plan pilot mavlink record",
+    "daemon": "frames geodesy vehicle paths flight mission places plan pilot mavlink record",
     "cli": "*",
 }
 SIM_BRIDGE = {"frames", "geodesy", "vehicle", "world", "mavlink"}

@@ -32,7 +32,9 @@ def test_a_flight_from_a_hover() -> None:
     assert "the path runs 10.0 m above home" in flown.notes
     assert [note.split(":")[0] for note in flown.notes if " -> " in note] == [
         "preflight -> take over",
-        "take over -> follow",
+        "take over -> settle",
+        "settle -> join",
+        "join -> follow",
         "follow -> hand back",
         "hand back -> done",
     ]
@@ -45,7 +47,19 @@ def test_a_flight_from_the_ground_lands_where_it_began() -> None:
     assert flown.conductor.memory is not None
     assert completed(flown.conductor.memory), flown.notes
     phases = [note.split(" -> ")[1].split(":")[0] for note in flown.notes if " -> " in note]
-    assert phases == ["arm", "take off", "take over", "follow", "hand back", "land", "disarm", "done"]
+    assert phases == [
+        "arm",
+        "take off",
+        "take over",
+        "settle",
+        "join",
+        "follow",
+        "hand back",
+        "land",
+        "disarm",
+        "release",
+        "done",
+    ]
     assert flown.between.truth.on_ground
     assert flown.conductor.telemetry.status.landed is Landed.ON_GROUND
     assert flown.conductor.telemetry.status.armed is False

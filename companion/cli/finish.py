@@ -40,7 +40,9 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bo
         code = refuse(conductor.refusal or "the flight did not begin", ending.json)
         return INTERRUPTED if stopped else code
     done = pilot.completed(memory)
-    reason = memory.first_fault or (None if done else conductor.refusal or "the flight ended before it was finished")
+    reason = pilot.epilogue(memory, conductor.telemetry.status.mode) or (
+        None if done else conductor.refusal or "the flight ended before it was finished"
+    )
     directory = recorder.directory
     table = load_table(directory / "flight.npy")
     truth = load_table(directory / "truth.npy") if (directory / "truth.npy").is_file() else None

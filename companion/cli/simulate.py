@@ -18,6 +18,7 @@ from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.progress import Watch
 from companion.daemon.signals import ending_signals
+from companion.flight.conduct import Conduct
 from companion.frames import quaternion_from_euler
 from companion.geodesy import LocalFrame
 from companion.mission import GlobalOrigin, Mission, Origin
@@ -159,7 +160,14 @@ def _orders(simulation: Simulation) -> Orders:
         duration = DEFAULT_DURATION
     # the plant is ours: what rates need may be set there
     return Orders(
-        sortie.mission, sortie.vehicle, sortie.level, duration, Origin.LOCAL, auto=sortie.auto, set_parameters=True
+        sortie.mission,
+        sortie.vehicle,
+        sortie.level,
+        duration,
+        Origin.LOCAL,
+        auto=sortie.auto,
+        set_parameters=True,
+        conduct=Conduct(at_once=sortie.mission.start is not None),
     )
 
 

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from companion import pilot
+from companion.daemon.conducting import conducted
 from companion.flight import output
-from companion.flight.guards import Answer, Reply
+from companion.flight.conduct import Conduct
 from companion.flight.phases import Phase, Request
+from companion.flight.situation import Answer, Reply
 from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
 from companion.mavlink import setpoints, telemetry
@@ -43,15 +45,19 @@ COMMANDS = {
     Request.OFFBOARD: wire.set_mode(Mode.OFFBOARD),
     Request.HOLD: wire.set_mode(Mode.HOLD),
     Request.LAND: wire.AUTO_LAND,
+    Request.RETURN: wire.set_mode(Mode.RETURN),
 }
 IDENTITY_WITHIN = 5.0
 """s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
+RATE_OVER = 0.5
+"""s over which the rate of states is measured."""
 
 
 @dataclass(frozen=True)
 class Orders:
     """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
-    be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight."""
+    be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
+    ``conduct``: how; what the vehicle says of itself is added to its limits."""
 
     mission: Mission
     vehicle: Vehicle
@@ -60,6 +66,7 @@ class Orders:
     origin: Origin
     auto: bool = False
     set_parameters: bool = False
+    conduct: Conduct = field(default_factory=Conduct)
 
 
 class Tick(NamedTuple):
@@ -104,6 +111,8 @@ class Conductor:
         self.refusal: str | None = None
         self.last: Tick | None = None
         self.states = 0
+        self._count, self._counted_at = 0, now
+        self._rate: float | None = None
         self._stream = stream
         self._stop = False
         self._choice: output.Choice | None = None
@@ -133,6 +142,7 @@ class Conductor:
         self._now = now
         state: VehicleState | None = None
         answer: Answer | None = None
+        count = 0
         status = self.telemetry.status
         decode = self.decoder.stream if self._stream else self.decoder.datagram
         for data in batch:
@@ -146,14 +156,27 @@ class Conductor:
                         if self.link.is_px4:
                             self.parameters.ask(TUNING.values(), frame.system, now)
                     self.parameters.receive(frame)
-                    state = self.telemetry.receive(frame) or state
+                    arrived = self.telemetry.receive(frame)
+                    if arrived is not None:
+                        state = arrived
+                        count += 1
         for _, text in self.link.texts:
             self.notes.append(f"vehicle: {text}")
         self.link.texts.clear()
-        if state is not None:
-            self.states += 1
+        self._counted(count, now)
         if state is not None or answer is not None or self.telemetry.status is not status:
-            self._tick(state, answer, now)
+            self._tick(state, answer, now, max(count - 1, 0))
+
+    def _counted(self, count: int, now: float) -> None:
+        """Measure how many states arrive in a second."""
+        if count and not self.states:
+            self._counted_at = now
+        self.states += count
+        self._count += count
+        passed = now - self._counted_at
+        if self.states and passed >= RATE_OVER:
+            self._rate = self._count / passed
+            self._count, self._counted_at = 0, now
 
     def on_timer(self, now: float) -> None:
         """Do what is due."""
@@ -186,7 +209,7 @@ class Conductor:
         if self._recorder is not None:
             self._recorder.frame(self._now, raw)
 
-    def _tick(self, state: VehicleState | None, answer: Answer | None, now: float) -> None:
+    def _tick(self, state: VehicleState | None, answer: Answer | None, now: float, behind: int = 0) -> None:
         if self._over:
             return
         self._wake_at = now + pilot.WAKE_AFTER
@@ -194,9 +217,17 @@ class Conductor:
             self._prepare(state, now)
             if self._over:
                 self._restore(now)
-        if self.memory is None or self.plan is None:
-            return
-        seen = Observation(state, self.telemetry.status, answer, self._stop, self.link.round_trip)
+            return  # making the plan took its time, and this state is no longer fresh
+        seen = Observation(
+            state,
+            self.telemetry.status,
+            answer,
+            self._stop,
+            self.link.round_trip,
+            self._rate,
+            behind,
+            self.link.companions(now),
+        )
         self.memory, outcome = pilot.step(self.plan, self.memory, seen, now)
         if outcome.setpoint is not None and self.link.identity is not None:
             stamp = self.memory.state.t_boot if self.memory.state is not None else 0.0
@@ -236,7 +267,9 @@ class Conductor:
             mission = placed(orders.mission, orders.origin, where)
             self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
             origin = mission.placement.origin_n
-            self.plan = prepared(mission, orders.vehicle, self._level, origin, orders.duration, tuning)
+            stands_at = state.p_n if status.landed is Landed.ON_GROUND else None
+            conduct = conducted(orders.conduct, orders.vehicle, tuning, mission.table, where.home_n, stands_at)
+            self.plan = prepared(mission, orders.vehicle, self._level, origin, orders.duration, tuning, conduct)
         except CompanionError as error:
             self.refusal = str(error)
             return

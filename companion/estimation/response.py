@@ -93,6 +93,8 @@ def lift_step(motor_lag: float, h: float) -> tuple[float, float]:
     """What remains after ``h`` s of a difference between lift and command, and its mean over that time."""
     if motor_lag < MOTOR_LAG_MIN:
         return 0.0, 0.0
+    if h == 0.0:
+        return 1.0, 1.0
     e = math.exp(-h / motor_lag)
     return e, (1.0 - e) * motor_lag / h
 

@@ -5,6 +5,7 @@ phases     the phases and the events, and the table of what follows what
 situation  what is looked at, as one value
 guards     what is seen -> events, each with its reason in words
 preflight  what must be there before the flight begins
+bench      tilted by hand: does the command turn it back?
 safety     what may not go on: conditions, times, actions
 output     at which level setpoints go out, and why
 epilogue   how it ended, in one sentence

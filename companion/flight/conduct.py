@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Manner(enum.Enum):
@@ -58,6 +58,27 @@ class Conduct(NamedTuple):
     limits: Limits = Limits()
     at_once: bool = False
     speed_scale_max: float = 1.0
+
+
+def told(conduct: Conduct) -> dict[str, Any]:
+    """As plain values, for the record."""
+    return {
+        **conduct._asdict(),
+        "manner": conduct.manner.value,
+        "finish": conduct.finish.value,
+        "limits": conduct.limits._asdict(),
+    }
+
+
+def untold(values: dict[str, Any]) -> Conduct:
+    """The conduct that ``told`` made plain. KeyError, TypeError, ValueError: it is none."""
+    limits = Limits(**values["limits"])
+    if limits.home is not None:
+        north, east, down = limits.home
+        limits = limits._replace(home=(north, east, down))
+    return Conduct(**{
+        **values, "manner": Manner(values["manner"]), "finish": Finish(values["finish"]), "limits": limits
+    })  # fmt: skip
 
 
 TILT_MARGIN = math.radians(5.0)

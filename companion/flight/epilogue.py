@@ -13,7 +13,6 @@ ADVICE: dict[Event, str] = {
     Event.LOST_POWER: "look at the vehicle before it is armed again",
     Event.REFUSED: "the ground station shows the reason",
     Event.TIMED_OUT: "put that right, then start again",
-    Event.STOP: "start again to go on",
 }
 """By what happened."""
 
@@ -32,6 +31,8 @@ FATE: dict[Event, str] = {
 
 def sentence(fault: str, event: Event, advice: str | None, last: Event, mode: Mode | None, flew: bool) -> str:
     """``fault``: what happened first, ``event`` its kind; ``last``: what ended the flight; ``flew``: setpoints were."""
+    if event is Event.STOP:
+        return fault  # whoever stopped it knows the rest
     happened = fault.rstrip(".")
     fate = FATE.get(last, "the flight was ended") if flew else "nothing was flown"
     done = fate.format(mode="an unknown mode" if mode is None else mode.words)

@@ -13,8 +13,13 @@ from typing import NamedTuple
 from companion.flight.conduct import Limits
 from companion.vehicle import VehicleStatus
 
-ESTIMATOR_PARTS = ((1, "attitude"), (2, "horizontal velocity"), (4, "vertical velocity"), (8 | 16, "horizontal position"),
-                   (32, "height"))  # fmt: skip
+ESTIMATOR_PARTS = (
+    (1, "attitude"),
+    (2, "horizontal velocity"),
+    (4, "vertical velocity"),
+    (8 | 16, "horizontal position"),
+    (32, "height"),
+)
 """The bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for."""
 CLOCK_JUMP = 0.5
 RATE_ERROR = 3.0

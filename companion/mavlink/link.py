@@ -48,6 +48,8 @@ RETRY_ACCEPTED = 5.0
 """s until a command that stays wanted is sent again: unanswered, refused, accepted without effect."""
 
 SET_UP_TRIES = 10
+COMPANION_GONE = 3.0
+"""s without its heartbeat after which another companion is gone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +124,7 @@ class Link:
     streams: tuple[Command, ...] = ()
     identity: Identity | None = None
     others: dict[int, int] = field(default_factory=dict)
+    _companion_at: float = -math.inf
     round_trip: float | None = None
     texts: list[tuple[int, str]] = field(default_factory=list)
     outgoing: list[bytes] = field(default_factory=list)
@@ -145,6 +148,10 @@ class Link:
     def is_px4(self) -> bool:
         """Whether the autopilot that answered is PX4."""
         return self.identity is not None and self.identity.autopilot == AUTOPILOT_PX4
+
+    def companions(self, now: float) -> int:
+        """How many others of our kind were heard of late."""
+        return int(now - self._companion_at < COMPANION_GONE)
 
     def of_vehicle(self, frame: Frame) -> bool:
         """Whether the vehicle's autopilot sent this frame."""
@@ -222,6 +229,8 @@ class Link:
 
     def _meet(self, frame: Frame, now: float) -> None:
         _, kind, autopilot, _, _, _ = frame.values
+        if frame.component == ONBOARD_COMPUTER and kind == TYPE_ONBOARD_CONTROLLER:
+            self._companion_at = now  # our own are never sent back to us
         if frame.component != AUTOPILOT_COMPONENT or autopilot == AUTOPILOT_INVALID or kind == TYPE_GCS:
             return
         if self.identity is None:

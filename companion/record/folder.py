@@ -18,8 +18,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from companion.flight.guards import Reply
+from companion.flight.conduct import told
 from companion.flight.phases import Phase, Request
+from companion.flight.situation import Reply
 from companion.pilot import Memory, Observation, Outcome
 from companion.plan import Plan
 from companion.record import rows
@@ -78,6 +79,7 @@ class Recorder:
             "turn_rad": plan.mission.placement.turn,
             "duration_s": plan.duration,
             "tuning": plan.tuning._asdict(),
+            "conduct": told(plan.conduct),
             "begun_at": now,
             "epoch": self.epoch,
             "path_length_m": plan.table.length,

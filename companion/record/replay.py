@@ -14,6 +14,7 @@ from companion.config.faults import ConfigError, Fault
 from companion.config.mission import mission_from
 from companion.config.vehicle import vehicle_from
 from companion.feasibility.fastest import flyable
+from companion.flight.conduct import untold
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
 from companion.record.table import Table, load_table
@@ -49,6 +50,7 @@ def load_flight(directory: Path) -> Recorded:
         turn = float(resolved["turn_rad"])
         begun_at = float(resolved["begun_at"])
         tuning = Tuning(**resolved["tuning"])
+        conduct = untold(resolved["conduct"])
         mission = _document(directory / "mission.yaml")
         vehicle = _document(directory / "vehicle.yaml")
         table = load_table(directory / "flight.npy")
@@ -61,7 +63,7 @@ def load_flight(directory: Path) -> Recorded:
         raise ConfigError([Fault(str(directory), 1, "", message)]) from None
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
     flown = flyable(mission_from(mission, law_level(level), directory), machine).placed((x, y, z), turn)
-    plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning)
+    plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning, conduct)
     return Recorded(plan, table, truth, begun_at)
 
 

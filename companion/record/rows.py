@@ -6,8 +6,8 @@ import enum
 import math
 from typing import Any, TypeVar
 
-from companion.flight.guards import Answer, Reply
 from companion.flight.phases import Phase, Request
+from companion.flight.situation import Answer, Reply
 from companion.frames import tilt
 from companion.pilot import Memory, Observation, Outcome, yaw_error
 from companion.record.table import Column, Row, dtype_of
@@ -45,6 +45,10 @@ SEEN = (
     Column("answer", "b", "index of guards.Reply, -1 none"),
     Column("stop", "b", "1: told to stop"),
     Column("link_delay", "d", "s, round trip of a message, nan not measured"),
+    Column("rate", "d", "Hz of states, nan not measured"),
+    Column("behind", "i", "states that arrived with this one and were passed over"),
+    Column("companions", "i", "other companions that speak on the link"),
+    Column("speed_scale", "d", "the factor on the mission's speed that is asked for"),
 )
 
 DONE = (
@@ -137,6 +141,10 @@ def seen_part(observation: Observation, now: float) -> Row:
         NONE if answer is None else _index(answer.reply),
         int(observation.stop),
         _number(observation.link_delay),
+        _number(observation.rate),
+        observation.behind,
+        observation.companions,
+        observation.speed_scale,
     )
 
 
@@ -210,5 +218,14 @@ def seen_again(row: Any) -> tuple[Observation, float]:
     )
     request, reply = _member(Request, row["answer_to"]), _member(Reply, row["answer"])
     answer = None if request is None or reply is None else Answer(request, reply)
-    delay = _unnumber(row["link_delay"])
-    return Observation(state, status, answer, bool(row["stop"]), delay), float(row["now"])
+    return Observation(
+        state,
+        status,
+        answer,
+        bool(row["stop"]),
+        _unnumber(row["link_delay"]),
+        _unnumber(row["rate"]),
+        int(row["behind"]),
+        int(row["companions"]),
+        float(row["speed_scale"]),
+    ), float(row["now"])

@@ -1,0 +1,50 @@
+"""One tick of a flight, pure: what is remembered and what is seen -> what is remembered next and what is done.
+
+memory   what is seen, remembered and done, as values
+aims     what is aimed at in each phase, and how fast the path is flown just now
+sight    what the guards look at, gathered from memory and observation
+tick     the tick itself
+
+The pilot knows no MAVLink, no clock and no files. Feeding the same observations again gives the same setpoints, bit for
+bit; that is what ``companion replay`` does.
+"""
+
+from __future__ import annotations
+
+from companion.flight.epilogue import sentence
+from companion.frames import tilt, wrap
+from companion.pilot.memory import (
+    WAKE_AFTER,
+    Memory,
+    Observation,
+    Outcome,
+    Progress,
+    begin,
+    completed,
+    wake_at,
+)
+from companion.pilot.tick import DT_MAX, LEVEL_FOR, step
+from companion.steering.steering import Steered
+from companion.vehicle import Mode, VehicleState
+
+__all__ = [
+    "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "Memory", "Observation", "Outcome", "Progress", "begin", "completed",
+    "epilogue", "step", "tilt_of", "wake_at", "yaw_error",
+]  # fmt: skip
+
+
+def epilogue(memory: Memory, mode: Mode | None) -> str | None:
+    """What went wrong, what was done then, and what to do next, in one sentence; None where nothing did."""
+    if memory.first_fault is None or memory.fault_event is None or memory.last_event is None:
+        return None
+    return sentence(memory.first_fault, memory.fault_event, memory.advice, memory.last_event, mode, memory.flew)
+
+
+def yaw_error(steered: Steered) -> float:
+    """rad, psi - beta, wrapped."""
+    return wrap(steered.command.yaw - steered.command.beta)
+
+
+def tilt_of(state: VehicleState) -> float:
+    """rad, how far the thrust axis leans."""
+    return tilt(state.r_nb)

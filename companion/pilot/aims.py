@@ -1,0 +1,161 @@
+"""What is aimed at in each phase, and how fast the path is to be flown just now."""
+
+from __future__ import annotations
+
+import math
+
+from companion.flight.conduct import Manner
+from companion.flight.phases import Phase
+from companion.law.flight import Ramp
+from companion.mission import Repeat
+from companion.pilot.memory import Memory
+from companion.plan import RAMP_ACCELERATION, Plan
+from companion.steering.steering import Aim, Along, At
+from companion.vehicle import AttitudeSetpoint, MotorSetpoint, RateSetpoint, Setpoint, VehicleState
+
+STEADY = Ramp()
+STANDING = Ramp(0.0, 0.0, 0.0)
+BRAKE_SHARE = 0.77
+"""The braking x (2 - x) of the speed over the last stretch is steepest by this share of v^2 over its length."""
+END_WITHIN = 0.35
+"""m before the open end of a path at which the end point is aimed at instead."""
+SCALE_RATE = 2.0
+"""1/s, how quickly a new factor on the speed is taken up: critically damped."""
+JOIN_WITHIN = 0.6
+JOIN_SPEED = 0.5
+"""m and m/s: at a point and at rest."""
+
+
+def heading(state: VehicleState) -> float:
+    """rad, where the nose points."""
+    r = state.r_nb
+    return math.atan2(r[3], r[0])
+
+
+def here(state: VehicleState) -> At:
+    """Where the vehicle is and points now."""
+    return At(state.p_n, heading(state))
+
+
+def on_path(plan: Plan, s: float) -> At:
+    """The point of the path at arc length ``s``, looking as the mission wants it there."""
+    return At(plan.table.at(s)[0], plan.mission.beta(s))
+
+
+def beginning(plan: Plan, leg: float) -> float:
+    """m, where a leg of an open path begins."""
+    return 0.0 if plan.direction * leg > 0.0 else plan.table.length
+
+
+def end(plan: Plan, leg: float) -> float:
+    """m, where a leg of an open path ends."""
+    return plan.table.length - beginning(plan, leg)
+
+
+def remaining(plan: Plan, memory: Memory) -> float:
+    """m to the open end of the present leg; inf where the path goes round."""
+    if plan.table.closed or memory.progress is None:
+        return math.inf
+    return abs(end(plan, memory.leg) - memory.progress.s)
+
+
+def is_at(memory: Memory) -> bool:
+    """Whether the vehicle rests at the point aimed at."""
+    state, aim = memory.state, memory.aim
+    if state is None or aim is None:
+        return False
+    return math.dist(state.p_n, aim.p_n) < JOIN_WITHIN and math.hypot(*state.v_n) < JOIN_SPEED
+
+
+def goes_back(plan: Plan, memory: Memory) -> bool:
+    """Whether the path is flown back from its end."""
+    if plan.mission.repeat is not Repeat.BACK_AND_FORTH:
+        return False
+    return plan.laps is None or memory.legs + 1 < plan.laps
+
+
+def chosen(plan: Plan, memory: Memory) -> tuple[Aim, Ramp]:
+    """What the law is to do in the present phase, and the factor on the speed."""
+    phase, progress = memory.phase, memory.progress
+    assert progress is not None
+    along = phase is Phase.FOLLOW or plan.conduct.at_once
+    if phase is Phase.REHEARSE:
+        along = plan.conduct.manner is Manner.REHEARSAL
+    if memory.aim is None or along:
+        ramp = _ramp(plan, memory)
+        return Along(progress.s, ramp), ramp
+    return memory.aim, STANDING
+
+
+def scaled(memory: Memory, wanted: float, dt: float) -> tuple[float, float]:
+    """The factor on the speed and its rate, ``dt`` s later."""
+    factor, rate = memory.scale
+    if wanted == factor and rate == 0.0:
+        return factor, rate
+    rate += dt * SCALE_RATE * (SCALE_RATE * (wanted - factor) - 2.0 * rate)
+    factor += dt * rate
+    return (wanted, 0.0) if abs(wanted - factor) < 1e-5 and abs(rate) < 1e-5 else (factor, rate)
+
+
+def _ramp(plan: Plan, memory: Memory) -> Ramp:
+    """The factor on alpha: the start, the end of an open path, what the user asks for, and the sign of the leg."""
+    factor, rate = memory.scale
+    ramp = _product(_start(plan, memory), _brake(plan, memory))
+    if factor != 1.0 or rate != 0.0:
+        ramp = _product(ramp, Ramp(factor, rate, 0.0))
+    return ramp if memory.leg > 0.0 else Ramp(-ramp.factor, -ramp.rate, -ramp.acceleration)
+
+
+def _product(a: Ramp, b: Ramp) -> Ramp:
+    if b is STEADY:
+        return a
+    return Ramp(
+        a.factor * b.factor,
+        a.rate * b.factor + a.factor * b.rate,
+        a.acceleration * b.factor + 2.0 * a.rate * b.rate + a.factor * b.acceleration,
+    )
+
+
+def _start(plan: Plan, memory: Memory) -> Ramp:
+    """A smooth step in time, because a speed that rises with displacement alone never starts."""
+    if plan.ramp_time == 0.0:
+        return STEADY
+    if memory.leg_from is None or memory.state is None:
+        return STANDING
+    T = plan.ramp_time
+    t = (memory.state.t_boot - memory.leg_from) / T
+    if t >= 1.0:
+        return STEADY
+    return Ramp(
+        t**3 * (10.0 - 15.0 * t + 6.0 * t * t),
+        30.0 * t * t * (1.0 - t) ** 2 / T,
+        60.0 * t * (1.0 - t) * (1.0 - 2.0 * t) / T**2,
+    )
+
+
+def _brake(plan: Plan, memory: Memory) -> Ramp:
+    """Towards an open end the speed falls as x (2 - x) over the last stretch: bounded, and no jerk where it begins."""
+    left = remaining(plan, memory)
+    if left == math.inf or memory.progress is None or plan.conduct.at_once:
+        return STEADY
+    alpha = abs(plan.mission.alpha(memory.progress.s))
+    stretch = max(BRAKE_SHARE * alpha * alpha / RAMP_ACCELERATION, 2.0 * END_WITHIN)
+    x = left / stretch
+    if x >= 1.0:
+        return STEADY
+    b, slope, bend = x * (2.0 - x), 2.0 * (1.0 - x), -2.0
+    speed = b * alpha
+    rate = -slope * speed / stretch
+    return Ramp(b, rate, (bend * speed * speed / stretch - slope * alpha * rate) / stretch)
+
+
+def neutral(plan: Plan, state: VehicleState, grounded: bool) -> Setpoint:
+    """What is streamed while the pilot flies: the present attitude kept, without turning, at the thrust of a hover;
+    none on the ground."""
+    level = plan.steering.level(state)
+    if isinstance(level, MotorSetpoint):
+        return MotorSetpoint((0.0,) * len(level.commands)) if grounded else level
+    thrust = 0.0 if grounded else level.thrust
+    if isinstance(level, RateSetpoint):
+        return RateSetpoint((0.0, 0.0, 0.0), thrust)
+    return AttitudeSetpoint(state.q_nb, thrust)

@@ -1,0 +1,107 @@
+"""What the guards look at, gathered from what is remembered and what is seen."""
+
+from __future__ import annotations
+
+import math
+
+from companion.flight import preflight, safety
+from companion.flight.bench import fault as bench_fault
+from companion.flight.conduct import Manner
+from companion.flight.phases import FLOWN, PHASES, Phase
+from companion.flight.situation import Situation
+from companion.frames import tilt
+from companion.pilot.aims import END_WITHIN, goes_back, is_at, remaining
+from companion.pilot.memory import Memory, Observation
+from companion.plan import Plan
+from companion.vehicle import RateSetpoint
+
+REHEARSED_FOR = 5.0
+"""s of rehearsal where no duration is given."""
+
+
+def sight(plan: Plan, memory: Memory, seen: Observation) -> safety.Sight:
+    """What the safety rows look at."""
+    state, progress, limits = memory.state, memory.progress, plan.conduct.limits
+    if state is None:
+        return safety.Sight(seen.status, rate=seen.rate, companions=seen.companions)
+    x, y, z = state.p_n
+    fence, home = plan.mission.fence_n, limits.home
+    steered = memory.steered
+    asked = None if steered is None or memory.phase not in FLOWN else steered.setpoint
+    return safety.Sight(
+        status=seen.status,
+        following=memory.phase is Phase.FOLLOW and memory.reached,
+        path_error=0.0 if progress is None else progress.path_error,
+        height=None if limits.ground is None else limits.ground - z,
+        fence_margin=math.inf if fence is None else fence.margin(state.p_n),
+        from_home=None if home is None else math.hypot(x - home[0], y - home[1]),
+        above_home=None if home is None else home[2] - z,
+        tilt=tilt(state.r_nb),
+        rate_error=math.dist(asked.rates_b, state.w_b) if isinstance(asked, RateSetpoint) else None,
+        saturated=steered is not None and memory.phase in FLOWN and steered.saturated,
+        jump=memory.jump,
+        clock_jump=memory.clock_jump,
+        behind=seen.behind,
+        rate=seen.rate,
+        companions=seen.companions,
+    )
+
+
+def situation(
+    plan: Plan, memory: Memory, seen: Observation, verdict: safety.Verdict, now: float, law_error: str | None
+) -> Situation:
+    """What the transitions look at."""
+    conduct = plan.conduct
+    steered = memory.steered
+    missing = None
+    if memory.phase is Phase.PREFLIGHT:
+        has_state = memory.state is not None
+        missing = preflight.missing(preflight.Standing(
+            seen.status, conduct.manner, conduct.finish, conduct.limits, has_state, seen.rate, seen.companions
+        ))  # fmt: skip
+    at_end = memory.phase is Phase.FOLLOW and remaining(plan, memory) < END_WITHIN
+    return Situation(
+        phase=memory.phase,
+        now=now,
+        entered=memory.entered,
+        status=seen.status,
+        mode_seen=memory.mode_seen,
+        state_at=memory.state_at,
+        answer=memory.answer,
+        from_ground=memory.from_ground,
+        manner=conduct.manner,
+        finish=conduct.finish,
+        faulty=memory.first_fault is not None,
+        stop=seen.stop,
+        missing=missing,
+        settled=conduct.at_once or (steered is not None and steered.converged),
+        joined=conduct.at_once or is_at(memory),
+        at_end=at_end,
+        goes_back=goes_back(plan, memory),
+        finished=_finished(plan, memory, now),
+        law_error=law_error or bench_fault(memory.shown),
+        verdict=verdict if PHASES[memory.phase].steers else safety.NO_FAULT,
+    )
+
+
+def _finished(plan: Plan, memory: Memory, now: float) -> str | None:
+    """Why the flight is over, if it is."""
+    state, conduct = memory.state, plan.conduct
+    if state is None:
+        return None
+    if memory.phase is Phase.REHEARSE:
+        if conduct.manner is Manner.BENCH:
+            return "every side was shown, and the command turned it back" if memory.shown.complete else None
+        lasts = plan.duration or REHEARSED_FOR
+        return f"rehearsed for {lasts:g} s: nothing was commanded" if now - memory.entered >= lasts else None
+    if memory.phase not in (Phase.FOLLOW, Phase.REST) or memory.follow_from is None:
+        return None
+    if plan.duration is not None and state.t_boot - memory.follow_from >= plan.duration:
+        return f"followed for {plan.duration:g} s"
+    if memory.phase is Phase.REST:
+        return "flew to the end of the path" if is_at(memory) and not goes_back(plan, memory) else None
+    if plan.laps is not None and plan.table.closed and memory.progress is not None:
+        laps = memory.progress.travelled / plan.table.length
+        if laps >= plan.laps:
+            return f"flew {plan.laps:g} laps"
+    return None

@@ -1,0 +1,206 @@
+"""One tick: what arrived is taken in, what it changes is decided, and the law is asked."""
+
+from __future__ import annotations
+
+import math
+
+from companion.flight import safety
+from companion.flight.bench import lacking, looked
+from companion.flight.conduct import Manner
+from companion.flight.guards import STALE_AFTER, STREAM_FIRST, decide
+from companion.flight.phases import PHASES, Event, Phase, Request
+from companion.frames import euler_from_rotation
+from companion.law.bare import LawError
+from companion.law.flight import Ramp
+from companion.pilot.aims import STEADY, beginning, chosen, end, here, neutral, on_path, scaled
+from companion.pilot.memory import OWN_MODE, Memory, Observation, Outcome, Progress
+from companion.pilot.sight import sight, situation
+from companion.plan import Plan
+from companion.steering.steering import At, Steered
+from companion.vehicle import Landed, Mode, VehicleState
+
+DT_MAX = 0.1
+"""s; a longer gap between two stamps is integrated as this much."""
+LEVEL_FOR = 0.3
+"""s of level setpoints after an abort; then silence, so that the autopilot's own failsafe can act."""
+CLOCK_BACK = 1.0
+"""s by which a state must be older than the last one to be the sign of a clock set back, and not merely late."""
+REACHED_WITHIN = 1.0
+"""m from the path at which it counts as reached: from then on the tube around it is watched."""
+SEARCH_ANEW = 0.5
+"""m of an estimator's jump from which on the nearest point is sought on the whole path."""
+
+FAULTS = frozenset({
+    Event.STOP, Event.TAKEN_OVER, Event.FAILSAFE, Event.LOST_POWER, Event.STALE, Event.LAW_FAILED, Event.LOST,
+    Event.UNSAFE, Event.REFUSED, Event.TIMED_OUT,
+})  # fmt: skip
+"""The events after which a flight is not completed."""
+
+
+def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, Outcome]:
+    """One tick. ``now``: s, our monotonic clock."""
+    memory = _noticed(plan, memory, seen, now)
+    since, verdict = safety.watched(memory.since, sight(plan, memory, seen), plan.conduct.limits, now)
+    memory = memory._replace(since=since)
+    notes: list[str] = []
+    memory = _decided(plan, memory, seen, verdict, now, notes)
+    steered, ramp, setpoint = None, STEADY, None
+    fresh = seen.state is not None and seen.state is memory.state
+    if fresh and PHASES[memory.phase].steers and memory.phase is not Phase.ABORT:
+        try:
+            memory, steered, ramp = _steered(plan, memory, seen)
+            setpoint = None if memory.phase is Phase.REHEARSE else steered.setpoint
+            memory = _shown(plan, memory, notes)
+        except LawError as error:
+            memory = _decided(plan, memory, seen, verdict, now, notes, str(error))
+    elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None:
+        setpoint = neutral(plan, memory.state, seen.status.landed is not Landed.IN_AIR)
+    if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR:
+        usable = memory.state_at is not None and now - memory.state_at <= STALE_AFTER
+        setpoint = plan.steering.level(memory.state if usable else None, memory.steering)
+    if setpoint is not None and not memory.flew and memory.phase is not Phase.STAND_BY:
+        memory = memory._replace(flew=True)
+    return memory, Outcome(setpoint, _request(plan, memory, seen, now), tuple(notes), steered, ramp)
+
+
+def _noticed(plan: Plan, memory: Memory, seen: Observation, now: float) -> Memory:
+    """The memory with what arrived taken in. A state older than the last one is not a state."""
+    answer = memory.answer
+    if seen.answer is not None and seen.answer.request is PHASES[memory.phase].request:
+        answer = seen.answer
+    mode_seen = memory.mode_seen or seen.status.mode is OWN_MODE.get(memory.phase, Mode.UNKNOWN)
+    memory = memory._replace(answer=answer, mode_seen=mode_seen, jump=0.0, clock_jump=0.0)
+    new, old = seen.state, memory.state
+    if new is None:
+        return memory
+    if old is None or memory.state_at is None:
+        return memory._replace(state=new, state_at=now, progress=_progressed(plan, memory, new, 0.0))
+    passed = new.t_boot - old.t_boot
+    if -CLOCK_BACK < passed < 0.0:
+        return memory
+    jump = 0.0
+    if new.resets != old.resets:
+        jump = math.dist(new.p_n, [p + v * passed for p, v in zip(old.p_n, old.v_n, strict=True)])
+    ahead = passed - (now - memory.state_at)
+    # a link that fell silent and delivers late is no clock that jumped
+    clock_jump = ahead if passed < 0.0 or ahead > 0.0 else 0.0
+    progress = _progressed(plan, memory, new, jump)
+    reached = memory.reached or (memory.phase is Phase.FOLLOW and progress.path_error < REACHED_WITHIN)
+    return memory._replace(
+        state=new, state_at=now, progress=progress, jump=jump, clock_jump=clock_jump, reached=reached
+    )
+
+
+def _progressed(plan: Plan, memory: Memory, state: VehicleState, jump: float) -> Progress:
+    known = memory.progress
+    if known is None or jump > SEARCH_ANEW:
+        s, distance = plan.table.locate(state.p_n)
+        return Progress(s, 0.0 if known is None else known.travelled, distance)
+    # a step no longer than the vehicle can have come: a path that crosses itself keeps its branch
+    reach = 1.0 + 0.2 * math.hypot(*state.v_n)
+    s, distance = plan.table.nearest(state.p_n, known.s, reach)
+    moved = 0.0
+    if memory.phase is Phase.FOLLOW:
+        moved = plan.direction * memory.leg * plan.table.difference(s, known.s)
+    return Progress(s, known.travelled + moved, distance)
+
+
+def _decided(
+    plan: Plan, memory: Memory, seen: Observation, verdict: safety.Verdict, now: float, notes: list[str],
+    law_error: str | None = None,
+) -> Memory:  # fmt: skip
+    """The memory after every change of phase that this moment brings."""
+    while True:
+        decision = decide(situation(plan, memory, seen, verdict, now, law_error))
+        if decision is None:
+            return memory
+        phase, event, reason = decision
+        notes.append(f"{memory.phase.value} -> {phase.value}: {reason}")
+        if phase is Phase.REHEARSE and plan.conduct.manner is Manner.BENCH:
+            notes.append(f"tilt the vehicle by hand, 15 degrees to every side: {lacking(memory.shown)}")
+        memory = _entered(plan, memory, phase, event, reason, verdict, now)
+
+
+def _entered(
+    plan: Plan, memory: Memory, phase: Phase, event: Event, reason: str, verdict: safety.Verdict, now: float
+) -> Memory:
+    came_from = memory.phase
+    if memory.first_fault is None and event in FAULTS:
+        advice = verdict.advice if event in (Event.LOST, Event.UNSAFE) else None
+        memory = memory._replace(first_fault=reason, fault_event=event, advice=advice)
+    memory = memory._replace(
+        phase=phase,
+        entered=now,
+        answer=None,
+        last_event=event,
+        # OFFBOARD seen while taking over counts: following begins in it
+        mode_seen=memory.mode_seen and OWN_MODE.get(phase) is OWN_MODE.get(came_from),
+        from_ground=memory.from_ground or event is Event.READY_ON_GROUND,
+        finished=memory.finished or event is Event.FINISHED,
+    )
+    state = memory.state
+    if state is None:
+        return memory
+    if phase is Phase.FOLLOW:
+        memory = memory._replace(leg_from=state.t_boot, reached=plan.conduct.at_once, aim=None)
+        if event is Event.TURNED:
+            return memory._replace(leg=-memory.leg, legs=memory.legs + 1)
+        return memory._replace(follow_from=state.t_boot if memory.follow_from is None else memory.follow_from)
+    if phase is Phase.STAND_BY:
+        return memory._replace(steering=None, steered=None, steered_at=None, aim=None, leg=1.0, legs=0)
+    return memory._replace(aim=_aim(plan, memory, phase, state))
+
+
+def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | None:
+    """The point that is held or gone to from now on; None to go on along the path."""
+    if phase is Phase.JOIN:
+        s = plan.table.locate(state.p_n)[0] if plan.table.closed else beginning(plan, memory.leg)
+        return on_path(plan, s)
+    if phase is Phase.REST:
+        return on_path(plan, end(plan, memory.leg))
+    if phase is Phase.HAND_BACK and plan.conduct.manner is not Manner.PILOT:
+        return memory.aim
+    if phase in (Phase.TAKE_OVER, Phase.HAND_BACK, Phase.REHEARSE) or memory.aim is None:
+        return here(state)
+    return memory.aim
+
+
+def _steered(plan: Plan, memory: Memory, seen: Observation) -> tuple[Memory, Steered, Ramp]:
+    """The law's setpoint for the newest state. The extension stands still until the vehicle flies on it."""
+    state = memory.state
+    assert state is not None
+    steering = plan.steering.begin(state) if memory.steering is None else memory.steering
+    dt = 0.0
+    if memory.phase not in (Phase.TAKE_OVER, Phase.REHEARSE) and memory.steered_at is not None:
+        dt = min(max(state.t_boot - memory.steered_at, 0.0), DT_MAX)
+    wanted = min(max(seen.speed_scale, 0.0), plan.conduct.speed_scale_max)
+    memory = memory._replace(scale=scaled(memory, wanted, dt))
+    if plan.conduct.manner is Manner.BENCH:
+        state = state._replace(v_n=(0.0, 0.0, 0.0))  # held in a hand, it goes nowhere
+        memory = memory._replace(aim=here(state))
+    aim, ramp = chosen(plan, memory)
+    steered = plan.steering.steer(steering, state, dt, aim, seen.link_delay)
+    return memory._replace(steering=steered.memory, steered=steered, steered_at=state.t_boot), steered, ramp
+
+
+def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
+    """On the bench: what was shown."""
+    if memory.phase is not Phase.REHEARSE or plan.conduct.manner is not Manner.BENCH:
+        return memory
+    assert memory.state is not None and memory.steered is not None
+    _, pitch, roll = euler_from_rotation(memory.state.r_nb)
+    shown, told = looked(memory.shown, roll, pitch, memory.steered.command.turn)
+    if told is not None:
+        notes.append(told)
+    return memory._replace(shown=shown)
+
+
+def _request(plan: Plan, memory: Memory, seen: Observation, now: float) -> Request | None:
+    phase = memory.phase
+    if plan.conduct.manner is not Manner.COMPANION:
+        return None  # the pilot arms and changes the mode, nobody else
+    if phase is Phase.TAKE_OVER and now - memory.entered < STREAM_FIRST:
+        return None
+    if phase is Phase.RELEASE and seen.status.armed is not False:
+        return None  # a failsafe that flies is left alone; on the ground OFFBOARD is ended for good
+    return PHASES[phase].request
