@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,20 +17,23 @@ from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
 
 
 class Extension(NamedTuple):
-    """The thrust the law integrates (zeta N, zeta_dot N/s), its last zeta_ddot, and the torques last sent (N m)."""
+    """The thrust the law integrates (zeta N, zeta_dot N/s) and its last zeta_ddot. ``sent``: thrust (N) and torques
+    (N m) of the last setpoint; ``acting``: what the rotors, which lag behind, make of them."""
 
     zeta: float
+    sent: Four
+    acting: Four
     zeta_dot: float = 0.0
     zeta_ddot: float = 0.0
-    torque: Vec3 = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class MotorSteering:
     """The law at the level of motors for one vehicle.
 
-    A command is held until the next one, so it acts as if it came half a step late. The law is therefore evaluated at
-    the state in the middle of that time; at 1 kHz the paper's case 2 then flies within 0.001 deg of its exact tilt.
+    A command is held until the next one, so it acts as if it came half a step late, and the rotors follow it with a lag.
+    The law is therefore evaluated at the state that much later; at 1 kHz the paper's case 2 (no lag) then flies within
+    0.001 deg of its exact tilt.
     """
 
     law: Law
@@ -40,16 +44,22 @@ class MotorSteering:
 
     def begin(self, state: VehicleState) -> Extension:
         """zeta = m g, zeta_dot = 0 (the paper's section V)."""
-        return Extension(self.vehicle.weight)
+        hovering = (self.vehicle.weight, 0.0, 0.0, 0.0)
+        return Extension(self.vehicle.weight, hovering, hovering)
 
     def steer(
         self, memory: Extension, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
     ) -> Steered:
         """See Steering."""
         half = 0.5 * dt
-        zeta, zeta_dot, zeta_ddot, _ = memory
+        zeta, sent, acting, zeta_dot, zeta_ddot = memory
+        acting = _lagged(acting, sent, dt, self.vehicle.motor_lag)
         middle = zeta + half * zeta_dot
-        there = state if dt == 0.0 else advanced(state, *self._motion(state, memory), half)
+        there = state
+        if dt != 0.0:
+            horizon = half + self.vehicle.motor_lag
+            until_then = _mean(acting, sent, horizon, self.vehicle.motor_lag)
+            there = advanced(state, *self._motion(state, until_then), horizon)
         flying = Flying(
             p_n=there.p_n,
             v_n=there.v_n,
@@ -65,7 +75,9 @@ class MotorSteering:
         allocated = self.allocation.allocate((middle, *command.turn))
         return Steered(
             setpoint=MotorSetpoint(allocated.commands),
-            memory=Extension(later, later_dot, command.zeta_derivative, command.turn),
+            memory=Extension(
+                later, self.allocation.wrench(allocated.commands), acting, later_dot, command.zeta_derivative
+            ),
             command=command,
             zeta=later,
             zeta_dot=later_dot,
@@ -80,17 +92,17 @@ class MotorSteering:
         u: Four = (self.vehicle.weight, *torque)
         return MotorSetpoint(self.allocation.allocate(u).commands)
 
-    def _motion(self, state: VehicleState, memory: Extension) -> tuple[Vec3, Vec3]:
-        """Acceleration (world) and body acceleration under the command that acts now (Eqs. 1 and 2)."""
+    def _motion(self, state: VehicleState, acting: Four) -> tuple[Vec3, Vec3]:
+        """Acceleration (world) and body acceleration under this thrust and these torques (Eqs. 1 and 2)."""
         vehicle = self.vehicle
         r = state.r_nb
-        lift = memory.zeta / vehicle.mass
+        thrust, u2, u3, u4 = acting
+        lift = thrust / vehicle.mass
         c = vehicle.drag
         vx, vy, vz = state.v_n
         acceleration = (-lift * r[2] - c * vx, -lift * r[5] - c * vy, vehicle.gravity - lift * r[8] - c * vz)
         jx, jy, jz = vehicle.inertia
         p, q, w = state.w_b
-        u2, u3, u4 = memory.torque
         return acceleration, (
             (u2 - (jz - jy) * q * w) / jx,
             (u3 - (jx - jz) * w * p) / jy,
@@ -103,6 +115,20 @@ class MotorSteering:
         p, q, r = state.w_b
         jx, jy, jz = self.vehicle.inertia
         return (jx * (36.0 * error_x - 12.0 * p), jy * (36.0 * error_y - 12.0 * q), -jz * 4.0 * r)
+
+
+def _lagged(acting: Four, sent: Four, dt: float, lag: float) -> Four:
+    """What rotors with a first-order ``lag`` (s) make ``dt`` later of what is sent."""
+    left = math.exp(-dt / lag) if lag > 0.0 else 0.0
+    a, b, c, d = (wanted + (now - wanted) * left for now, wanted in zip(acting, sent, strict=True))
+    return (a, b, c, d)
+
+
+def _mean(acting: Four, sent: Four, horizon: float, lag: float) -> Four:
+    """The mean of it over ``horizon`` (s)."""
+    share = lag / horizon * -math.expm1(-horizon / lag) if lag > 0.0 else 0.0
+    a, b, c, d = (wanted + (now - wanted) * share for now, wanted in zip(acting, sent, strict=True))
+    return (a, b, c, d)
 
 
 def motor_steering(law: Law, hold: HoldLaw, vehicle: Vehicle) -> MotorSteering:
