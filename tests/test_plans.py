@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import random
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +15,23 @@ from companion.config.faults import ConfigError
 from companion.config.json_text import parse_json
 from companion.config.mission import load_mission
 from companion.config.plan_files import plan_from
+from companion.config.vehicle import load_vehicle
 from companion.fence import Circle, Polygon
+from companion.frames import rotation_from_euler
 from companion.geodesy import LocalFrame
-from companion.law.gains import Level
+from companion.law.feedback import Bounds
+from companion.law.flight import Flying, Ramp, curve_law, model_of
+from companion.law.gains import Level, default_gains
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.mission import GlobalOrigin, Mission, Origin
+from companion.paths.curve import Curve
+from companion.paths.polyline import polyline
 from companion.places.standing import Whereabouts, placed
 from companion.plans.items import Plan
 from companion.plans.route import Waypoint, route
 from companion.plans.scan import grown
-from companion.profiles import AutoSpeed, ConstantYaw, LookAt, TangentYaw, YawProfile
+from companion.profiles import AutoSpeed, ConstantSpeed, ConstantYaw, LookAt, TangentYaw, YawProfile
 from tests.plan_text import EAST, HOME, NORTH, item, plan, survey, text, waypoint, written
 
 
@@ -264,6 +271,42 @@ def test_waypoint_files(tmp_path: Path) -> None:
     (bad,) = faults(tmp_path, content.replace("\t12\t", "\tup\t", 1), "field.waypoints")
     assert bad.startswith("field.waypoints:3: expected numbers")
     assert 'first line "QGC WPL 110"' in faults(tmp_path, "1\t2\t3", "field.waypoints")[0]
+
+
+def zigzag(count: int) -> Curve:
+    return polyline([(i * 3.0, 6.0 * ((i + 1) // 2 % 2), -25.0) for i in range(count)], False, 1.0)
+
+
+def calls_of_a_step(count: int) -> list[int]:
+    """How many functions a step of the law calls at some places of a path of ``count`` waypoints."""
+    curve = zigzag(count)
+    model = model_of(load_vehicle("x500"))
+    law = curve_law(
+        curve, ConstantSpeed(3.0), TangentYaw(), Level.MOTORS, model, default_gains(Level.MOTORS), Bounds(), 1.0
+    )
+    found = []
+    for share in (0.0, 0.3, 0.7):
+        waves = math.floor(share * count / 4)
+        s = curve.arc(waves * 2.0 * (math.hypot(3.0, 6.0) + 3.0) + 3.3)  # half along a lane, whichever it is
+        x, y, z = curve.table.at(s)[0]
+        flying = Flying((x + 0.1, y + 0.1, z), (2.0, 1.0, 0.1), rotation_from_euler(0.1, 0.1, -0.1), 19.0, s=s)
+        law(flying, Ramp())  # what is made once is made
+        calls = 0
+
+        def count_call(frame: Any, event: str, argument: Any) -> None:
+            nonlocal calls
+            calls += event in ("call", "c_call")
+
+        sys.setprofile(count_call)
+        law(flying, Ramp())
+        sys.setprofile(None)
+        found.append(calls)
+    return found
+
+
+def test_a_step_of_the_law_costs_no_more_on_a_long_plan() -> None:
+    """In calls, which do not depend on what else the machine does; bench/plan_size.py has the time."""
+    assert max(calls_of_a_step(1000)) <= 1.2 * max(calls_of_a_step(10))
 
 
 def importer() -> Any:

@@ -46,8 +46,10 @@ def check(mission: str, vehicle: str | None, *, as_json: bool, plot: Path | None
 
 
 def looked_at(sortie: Sortie) -> tuple[Sortie, Report]:
-    """What the mission asks of the vehicle; and the sortie with its speed known, where that was ``auto``. ConfigError:
-    it cannot be looked at."""
+    """What the mission asks of the vehicle; and the sortie with its speed known, where that was ``auto``. What of its
+    file is not flown is said. ConfigError: it cannot be looked at."""
+    for note in sortie.mission.notes:
+        say(f"note: {note}")
     try:
         found = feasibility.check(sortie.mission, sortie.vehicle)
     except (ValueError, ArithmeticError) as error:

@@ -107,7 +107,7 @@ def _apart(way: Route, frame: LocalFrame) -> Legs:
         points.pop()
         kept.pop()
     if len(points) < 2:
-        raise ValueError("all its waypoints are at one place")
+        raise ValueError("has all its waypoints at one place")
     return Legs(points, kept, closed and len(points) > 2)
 
 

@@ -12,6 +12,7 @@ from companion.config.places import read
 from companion.config.plan_files import plan_from
 from companion.config.plan_mission import Planned, planned
 from companion.paths.placement import Placement
+from companion.paths.tracing import PathError
 from companion.plans.items import PlanError
 
 SUFFIXES = (".plan", ".waypoints")
@@ -51,8 +52,8 @@ def read_plan(document: Document, model: PlanModel, placement: Placement, beside
         return planned(plan, model.corner_tolerance, model.smooth, placement)
     except PlanError as error:
         raise ConfigError([lines.fault(problem.key, problem.message) for problem in error.problems]) from None
-    except (ValueError, ArithmeticError) as error:
-        raise ConfigError([Fault(str(path), 1, "", str(error))]) from None
+    except (ValueError, ArithmeticError, PathError) as error:
+        raise ConfigError([Fault(str(path), 1, "", f"the path {error}")]) from None
 
 
 def attached(text: str, file: str) -> tuple[str, str] | None:

@@ -12,10 +12,12 @@ from companion.plans.items import Place
 from companion.plans.route import Waypoint
 from companion.profiles import ConstantYaw, LookAt, TangentYaw, Yaw, yaw_table
 
-TURN_RATE = math.radians(45.0)
-"""How fast the nose turns where two headings meet, if the legs are long enough."""
-STEEPEST = 35.0 / 16.0
-"""The steepest slope of a blend over its mean."""
+TURN_RATE, TURN_ACCELERATION = math.radians(45.0), math.radians(60.0)
+"""How fast the nose turns where two headings meet, and how quickly it takes that up, if the legs are long enough."""
+STEEPEST, SHARPEST = 35.0 / 16.0, 7.52
+"""The largest slope and second derivative of a blend from 0 to 1 on an interval of length 1."""
+BLEND_MIN = 0.5
+"""m, half the length of a blend."""
 LEG_SHARE = 0.45
 """The share of a leg that a blend at its end may take."""
 SAMPLE_EVERY = 2.0
@@ -64,7 +66,9 @@ def _rows(headings: list[Heading], ends: list[float], speeds: list[float], close
     for j in range(0 if closed else 1, count):
         before, after = headings[j - 1], headings[j]
         turn = abs(wrap(after(ends[j]) - before(ends[j] if j else ends[-1])))
-        wanted = 0.5 * STEEPEST * turn * max(speeds[j - 1], speeds[j]) / TURN_RATE
+        speed = max(speeds[j - 1], speeds[j])
+        time = max(STEEPEST * turn / TURN_RATE, math.sqrt(SHARPEST * turn / TURN_ACCELERATION))
+        wanted = max(0.5 * speed * time, BLEND_MIN)
         shortest = min(ends[j + 1] - ends[j], ends[j] - ends[j - 1] if j else ends[-1] - ends[-2])
         margins[j] = min(wanted, LEG_SHARE * shortest)
     if closed:
