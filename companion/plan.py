@@ -100,9 +100,7 @@ def prepared(
         mission=placed,
         vehicle=vehicle,
         level=level,
-        steering=_steering(
-            law, hold_law(law_level(level), model_of(vehicle), usual, bounds), vehicle, level, tuning, gains.h4[0]
-        ),
+        steering=_steering(law, hold, vehicle, level, tuning, gains.h4[0]),
         table=table,
         direction=direction,
         ramp_time=ramp_time,

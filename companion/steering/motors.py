@@ -31,9 +31,9 @@ class Extension(NamedTuple):
 class MotorSteering:
     """The law at the level of motors for one vehicle.
 
-    A command is held until the next one, so it acts as if it came half a step late, and the rotors follow it with a lag.
-    The law is therefore evaluated at the state that much later; at 1 kHz the paper's case 2 (no lag) then flies within
-    0.001 deg of its exact tilt.
+    A command is held until the next one, so it acts as if it came half a step late, and the rotors follow it with a
+    lag. The law is therefore evaluated at the state that much later; at 1 kHz the paper's case 2 (no lag) then flies
+    within 0.001 deg of its exact tilt.
     """
 
     law: Law
