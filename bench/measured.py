@@ -119,7 +119,7 @@ def measured(
         near[0], distance = plan.table.nearest(truth.p_n, near[0], 3.0)
         tangent = plan.table.at(near[0])[1]
         speed = sum(t * v for t, v in zip(tangent, truth.v_n, strict=True))
-        r = _matrix(truth)
+        r = rotation_matrix(truth.q_nb)
         true.append(
             (distance, speed - plan.mission.alpha(near[0]), wrap(math.atan2(r[3], r[0]) - plan.mission.beta(near[0])))
         )
@@ -131,10 +131,9 @@ def measured(
     fly(conductor, bridge, look, duration + 30.0)
     fault = conductor.refusal or (conductor.memory.first_fault if conductor.memory is not None else "no plan")
     steered = conductor.last.outcome.steered if conductor.last is not None else None
-    return Measured(
-        fault if fault is not None or conductor.done else "not over in time",
-        _errors(true), _errors(believed), most[0], most[1], steered.estimates if steered is not None else None, conductor,
-    )  # fmt: skip
+    reason = fault if fault is not None or conductor.done else "not over in time"
+    estimates = steered.estimates if steered is not None else None
+    return Measured(reason, _errors(true), _errors(believed), most[0], most[1], estimates, conductor)
 
 
 def _errors(rows: list[tuple[float, float, float]]) -> Errors | None:
