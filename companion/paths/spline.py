@@ -21,7 +21,7 @@ one, 0.5 bends sharply there."""
 
 
 def spline(points: Sequence[Vec3], closed: bool) -> Curve:
-    """The spline through ``points`` (m), three at least where closed, two where open. ValueError: two are one."""
+    """The spline through ``points`` (m), three at least where closed, two where open. ValueError: too few, or two are one."""
     from scipy.interpolate import make_interp_spline  # takes longer to import than all the rest of a command
 
     p = np.array(points, dtype=float)
@@ -29,6 +29,8 @@ def spline(points: Sequence[Vec3], closed: bool) -> Curve:
         return line(points[0], points[1])
     if closed and len(p) > 2 and np.linalg.norm(p[0] - p[-1]) < APART_MIN:
         p = p[:-1]
+    if closed and len(p) < 3:
+        raise ValueError(f"{len(p)} points do not make a closed curve; expected three points at least")
     steps = np.linalg.norm(np.roll(p, -1, axis=0) - p, axis=1)
     for i in np.flatnonzero((steps if closed else steps[:-1]) < APART_MIN):
         raise ValueError(f"points {i + 1} and {(i + 1) % len(p) + 1} are the same")
