@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import random
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -159,7 +160,7 @@ def test_the_table_lies_on_the_curve_wherever_it_is_placed(curve: Curve) -> None
 def test_the_nearest_point_is_the_nearest(curve: Curve) -> None:
     """Against a fine search, from a start some way off; and the global search from nowhere."""
     rng = random.Random(4)
-    s_all, points = curve.table.samples(20_001)
+    _, points = curve.table.samples(20_001)
     for _ in range(25):
         s = rng.uniform(0.0, curve.table.length)
         x, _, bend = curve.table.at(s)
@@ -300,7 +301,7 @@ def test_ten_thousand_waypoints_cost_a_tick_no_more_than_ten() -> None:
         calls = 0
         piecewise = curve._local
 
-        def counted(u: float) -> object:
+        def counted(u: float, piecewise: Callable[[float], object] = piecewise) -> object:
             nonlocal calls
             calls += 1
             return piecewise(u)

@@ -21,7 +21,7 @@ one, 0.5 bends sharply there."""
 
 
 def spline(points: Sequence[Vec3], closed: bool) -> Curve:
-    """The spline through ``points`` (m), three at least where closed, two where open. ValueError: too few, or two are one."""
+    """The spline through ``points`` (m), three at least where closed, two where open. ValueError: no curve."""
     from scipy.interpolate import make_interp_spline  # takes longer to import than all the rest of a command
 
     p = np.array(points, dtype=float)
