@@ -93,6 +93,7 @@ def prepared(
         law = curve_law(
             placed.path, placed.speed, placed.yaw, law_level(level), model_of(vehicle), gains, bounds, direction
         )
+    hold = hold_law(law_level(level), model_of(vehicle), usual, bounds)
     # a smooth step of the speed is steepest in its middle, by 1.875
     ramp_time = 0.0 if vehicle.limits is None else 1.875 * max(map(abs, speeds)) / RAMP_ACCELERATION
     return Plan(
