@@ -25,7 +25,7 @@ from companion.mavlink.parameters import TUNING, Parameters
 from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.mission import Mission, Origin
 from companion.pilot import Memory, Observation, Outcome
-from companion.places.standing import Whereabouts, placed
+from companion.places.standing import NotKnownError, Whereabouts, placed
 from companion.places.words import place_words
 from companion.plan import Plan, prepared
 from companion.record.folder import Recorder
@@ -47,6 +47,8 @@ COMMANDS = {
     Request.LAND: wire.AUTO_LAND,
     Request.RETURN: wire.set_mode(Mode.RETURN),
 }
+PLACE_WITHIN = 30.0
+"""s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
 IDENTITY_WITHIN = 5.0
 """s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
 RATE_OVER = 0.5
@@ -270,6 +272,10 @@ class Conductor:
             stands_at = state.p_n if status.landed is Landed.ON_GROUND else None
             conduct = conducted(orders.conduct, orders.vehicle, tuning, mission.table, where.home_n, stands_at)
             self.plan = prepared(mission, orders.vehicle, self._level, origin, orders.duration, tuning, conduct)
+        except NotKnownError as error:
+            if now - (now if self._heard_at is None else self._heard_at) > PLACE_WITHIN:
+                self.refusal = str(error)
+            return
         except CompanionError as error:
             self.refusal = str(error)
             return

@@ -25,6 +25,10 @@ class PlaceError(CompanionError):
     """A mission that cannot be placed: the vehicle does not say enough of where it is, or is somewhere else."""
 
 
+class NotKnownError(PlaceError):
+    """The vehicle has not said enough of where it is; it may yet, once its GPS knows."""
+
+
 @dataclass(frozen=True, slots=True)
 class Whereabouts:
     """What a vehicle says of where it is; None where it has not said.
@@ -76,7 +80,9 @@ def home_in(where: Whereabouts) -> Vec3:
     told = where.home_n
     if where.frame is None or where.home is None:
         if told is None:
-            raise PlaceError("origin: home is not known, the vehicle has not set one (HOME_POSITION); wait for its GPS")
+            raise NotKnownError(
+                "origin: home is not known, the vehicle has not set one (HOME_POSITION); wait for its GPS"
+            )
         return told
     # the place on the earth counts: home_n may be older than the frame's present origin
     home_n = where.frame.to_local(*where.home)
@@ -89,7 +95,7 @@ def home_in(where: Whereabouts) -> Vec3:
 def _on_earth(origin: GlobalOrigin, where: Whereabouts) -> Vec3:
     if where.frame is None:
         message = "the mission counts from a place on the earth, and the vehicle has not said where its local frame is"
-        raise PlaceError(f"{message} (GPS_GLOBAL_ORIGIN); wait for its GPS, or name another origin")
+        raise NotKnownError(f"{message} (GPS_GLOBAL_ORIGIN); wait for its GPS, or name another origin")
     altitude = origin.altitude
     if origin.above_home:
         altitude += where.frame.altitude - home_in(where)[2]
