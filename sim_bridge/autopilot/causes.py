@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from companion.mavlink.modes import Mode
@@ -123,20 +124,20 @@ def causes(t: float, intent: Mode, facts: Facts, at_arming: AtArming, parameters
     return found
 
 
-def fallback(intent: Mode, facts: Facts, parameters: Parameters, can_run: dict[Mode, bool]) -> Action:
+def fallback(intent: Mode, facts: Facts, parameters: Parameters, can_run: Callable[[Mode], bool]) -> Action:
     """What a mode that cannot run (any more) asks for. ``can_run``: whether it can, by mode, sticks apart."""
     action = Action.NONE
     if intent is Mode.OFFBOARD and facts.offboard_lost:
         action, intent = OFFBOARD_LOST.get(int(parameters["COM_OBL_RC_ACT"]), OFFBOARD_LOST[0])
         if action is Action.DISARM:
             return action
-    if intent in (Mode.POSITION, Mode.POSITION_SLOW) and not can_run[intent]:
+    if intent in (Mode.POSITION, Mode.POSITION_SLOW) and not can_run(intent):
         action, intent = Action.TO_ALTITUDE, Mode.ALTITUDE
-    if intent is Mode.ALTITUDE and not can_run[intent]:
+    if intent is Mode.ALTITUDE and not can_run(intent):
         action, intent = Action.TO_STABILIZED, Mode.STABILIZED
     if facts.sticks_lost and action in (Action.TO_POSITION, Action.TO_ALTITUDE, Action.TO_STABILIZED):
         action = _LINK_LOST.get(int(parameters["NAV_RCL_ACT"]), Option(Action.NONE)).action
-    if not can_run[intent]:
+    if not can_run(intent):
         action = Action.RETURN
     return action
 

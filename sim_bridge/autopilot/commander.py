@@ -214,15 +214,17 @@ class Commander:
         """Let the failsafe decide."""
         facts, parameters = self.facts, self._parameters
         self._at_arming.update(t, self.armed, facts)
-        can_run = {mode: self._has_what_it_takes(mode, t) for mode in Mode}
-        can_run[Mode.OFFBOARD] = can_run[Mode.OFFBOARD] and not facts.offboard_lost
+
+        def can_run(mode: Mode) -> bool:
+            return self._has_what_it_takes(mode, t) and not (mode is Mode.OFFBOARD and facts.offboard_lost)
+
         wrong = {} if not self.armed else causes(t, self.intent, facts, self._at_arming, parameters)
         falls_to = fallback(self.intent, facts, parameters, can_run)
         if self.armed and falls_to is not Action.NONE:
             wrong["mode"] = Option(falls_to, takeover=Takeover.ALWAYS)
         requested, self._requested = self._requested, False
         verdict = self._failsafe.update(Situation(
-            t, self.armed, self.intent, requested, sticks_moved, wrong, can_run.__getitem__,
+            t, self.armed, self.intent, requested, sticks_moved, wrong, can_run,
             lambda mode: fallback(mode, facts, parameters, can_run), parameters["COM_FAIL_ACT_T"],
         ))  # fmt: skip
         if verdict.intent is not self.intent:

@@ -107,10 +107,10 @@ class Link:
     def stream(self, now_us: int, built: dict[int, Values | None]) -> None:
         """Send what is due at ``now_us`` of the bridge's clock. ``built``: what has been put together in this step."""
         self._now_us = now_us
-        streams = self._streams
-        for msgid in streams.due(now_us):
+        again, encode, alter, outbox = self._streams.again, self._encoder.encode, self.alter, self.outbox
+        for msgid in self._streams.due(now_us):
             if msgid in EDITIONS and not self._is_new(msgid):
-                streams.again(msgid, sent=False)
+                again(msgid, False)
                 continue
             fmt, build = self._builders[msgid]
             if msgid in built:
@@ -119,12 +119,14 @@ class Link:
                 values = build(self._autopilot)
                 if msgid != _LINK_NODE_STATUS.id:
                     built[msgid] = values
-            if values is not None and self.alter is not None:
-                values = self.alter(msgid, values)
-            if values is not None:
-                self.outbox.append(self._encoder.encode(fmt, values))
+            if values is not None and alter is not None:
+                values = alter(msgid, values)
+            if values is None:
+                again(msgid, False)
+            else:
+                outbox.append(encode(fmt, values))
                 self._sent += 1
-            streams.again(msgid, sent=values is not None)
+                again(msgid, True)
         if now_us >= self._poll_at_us:
             self._poll_at_us = now_us + POLL_US
             self._parameters.poll(now_us)

@@ -111,12 +111,9 @@ class Streams:
     def again(self, msgid: int, sent: bool) -> None:
         """A message that was due has been sent, or had nothing to say: when it is next."""
         stream = self._streams[msgid]
-        if sent:
-            # From the time it was due, so that the mean rate is right; not to catch up on what a source cannot give.
-            due_us = stream.due_us + stream.interval_us
-            self._schedule(msgid, stream, due_us if due_us > self._now else self._now + 1)
-        else:
-            self._schedule(msgid, stream, self._now + RETRY_US)
+        # From the time it was due, so that the mean rate is right; not to catch up on what a source cannot give.
+        due_us = stream.due_us + stream.interval_us if sent else self._now + RETRY_US
+        self._schedule(msgid, stream, due_us if due_us > self._now else self._now + 1)
 
     def _schedule(self, msgid: int, stream: Stream, due_us: int) -> None:
         """Queue the next sending, at the first step after the source's first renewal that is not before ``due_us``."""
@@ -124,8 +121,11 @@ class Streams:
             stream.queued_us = None
             return
         stream.due_us = due_us
-        renewed = -(-due_us // stream.source_us) * stream.source_us
-        stream.queued_us = renewed = -(-renewed // self._step_us) * self._step_us
+        source_us = stream.source_us
+        renewed = -(-due_us // source_us) * source_us
+        if source_us % self._step_us:
+            renewed = -(-renewed // self._step_us) * self._step_us
+        stream.queued_us = renewed
         messages = self._calendar.get(renewed)
         if messages is None:
             self._calendar[renewed] = [msgid]
