@@ -10,7 +10,6 @@ Its time is a count of steps, so that everything is exact and the same seed give
 from __future__ import annotations
 
 import math
-import random
 
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.codec import Counters, Frame
@@ -20,6 +19,7 @@ from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.link import COMPONENT, SYSTEM, Link
 from sim_bridge.autopilot.messages import Values
 from sim_bridge.autopilot.streams import GROUND_STATION, ONBOARD, Boot, Streams
+from sim_bridge.chance import Cause, normals
 from sim_bridge.control.position import Target
 from sim_bridge.happenings import WorldEvents
 from sim_bridge.passage import Passage
@@ -59,9 +59,8 @@ class Bridge:
         self._step_us = 1_000_000 // self._per_second
         self._count = 0
         self.direct = direct or vehicle.motors is MotorInterface.DIRECT
-        # Each chance has its own source, so that a world with one more of them keeps the others as they were.
-        self.plant = Plant(vehicle, world, self._per_second, random.Random(f"{seed} gusts"))
-        self._sensors = Sensors(world.estimate, self.step_s, random.Random(f"{seed} estimate"))
+        self.plant = Plant(vehicle, world, self._per_second, seed)
+        self._sensors = Sensors(world.estimate, self.step_s, normals(seed, Cause.ESTIMATE))
         self.world_events = WorldEvents(world.events, self.plant, self._sensors)
         weight, lift = self.plant.vehicle.weight, self.plant.vehicle.thrust_max
         if self.plant.cells is not None:
@@ -87,8 +86,8 @@ class Bridge:
             Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot))
             for rates in (ONBOARD, GROUND_STATION)[:endpoints]
         ]
-        self._up = Passage(world.link.up, random.Random(f"{seed} up")) if world.link.up else None
-        self._down = Passage(world.link.down, random.Random(f"{seed} down")) if world.link.down else None
+        self._up = Passage(world.link.up, seed, Cause.UP) if world.link.up else None
+        self._down = Passage(world.link.down, seed, Cause.DOWN) if world.link.down else None
         self._leaving: list[tuple[int, bytes]] = []
         self.log: list[str] = []
         self._noted = ("", 0.0)

@@ -1,24 +1,50 @@
-"""Chance that has a memory: processes of which the next value leans on the last, exact for any step.
+"""Chance, and chance that has a memory: processes of which the next value leans on the last, exact for any step.
 
-Each begins in its steady state, so that its statistics hold from the first step on.
+Each process begins in its steady state, so that its statistics hold from the first step on.
 """
 
 from __future__ import annotations
 
+import enum
 import math
-import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+Draw = Callable[[], float]
+"""The next number of a standard normal distribution."""
+DRAWN_AT_ONCE = 1024
+
+
+class Cause(enum.IntEnum):
+    """What chance is for. Each has its own source: a world with one more of them keeps the others as they were."""
+
+    GUSTS = 0
+    ESTIMATE = 1
+    DOWN = 2
+    UP = 3
+
+
+def normals(seed: int, cause: Cause) -> Draw:
+    """A source of normal numbers, the same for the same seed."""
+
+    def drawn() -> Iterator[float]:
+        generator = np.random.default_rng((abs(seed), seed < 0, cause))
+        while True:
+            yield from generator.standard_normal(DRAWN_AT_ONCE).tolist()
+
+    return drawn().__next__
 
 
 class FirstOrder:
     """A first-order Gauss-Markov process of unit variance: x' = -x / time + noise."""
 
-    __slots__ = ("_gauss", "_keep", "_kick", "x")
+    __slots__ = ("_draw", "_keep", "_kick", "x")
 
-    def __init__(self, rng: random.Random, step: float, time: float) -> None:
-        self._gauss: Callable[[float, float], float] = rng.gauss
+    def __init__(self, draw: Draw, step: float, time: float) -> None:
+        self._draw = draw
         self.pace(step / time)
-        self.x = rng.gauss(0.0, 1.0)
+        self.x = draw()
 
     def pace(self, a: float) -> None:
         """Let a step be ``a`` time constants from now on."""
@@ -27,7 +53,7 @@ class FirstOrder:
 
     def update(self) -> float:
         """The value a step later."""
-        self.x = x = self._keep * self.x + self._gauss(0.0, self._kick)
+        self.x = x = self._keep * self.x + self._kick * self._draw()
         return x
 
 
@@ -37,13 +63,13 @@ class SecondOrder:
     In the steady state var x = 1, var y = cov xy = 1/2; what noise a step adds is what keeps these so.
     """
 
-    __slots__ = ("_gauss", "_keep", "_kick_x", "_kick_xy", "_kick_y", "_pass", "x", "y")
+    __slots__ = ("_draw", "_keep", "_kick_x", "_kick_xy", "_kick_y", "_pass", "x", "y")
 
-    def __init__(self, rng: random.Random, step: float, time: float) -> None:
-        self._gauss: Callable[[float, float], float] = rng.gauss
+    def __init__(self, draw: Draw, step: float, time: float) -> None:
+        self._draw = draw
         self.pace(step / time)
-        self.x = rng.gauss(0.0, 1.0)
-        self.y = 0.5 * self.x + rng.gauss(0.0, 0.5)
+        self.x = draw()
+        self.y = 0.5 * self.x + 0.5 * draw()
 
     def pace(self, a: float) -> None:
         """Let a step be ``a`` time constants from now on."""
@@ -59,6 +85,6 @@ class SecondOrder:
 
     def update(self) -> None:
         """``x`` and ``y`` a step later."""
-        noise = self._gauss(0.0, 1.0)
-        self.y = self._keep * self.y + self._pass * self.x + self._kick_xy * noise + self._gauss(0.0, self._kick_y)
+        noise = self._draw()
+        self.y = self._keep * self.y + self._pass * self.x + self._kick_xy * noise + self._kick_y * self._draw()
         self.x = self._keep * self.x + self._kick_x * noise

@@ -10,11 +10,10 @@ change while the vehicle climbs.
 from __future__ import annotations
 
 import math
-import random
 
 from companion.frames import Vec3
 from companion.world.air import DrydenGusts, Gusts
-from sim_bridge.chance import FirstOrder, SecondOrder
+from sim_bridge.chance import Draw, FirstOrder, SecondOrder
 
 AIRSPEED_MIN = 0.5
 """m/s. A vehicle that drifts with the air still feels the gusts pass, for they do not last for ever."""
@@ -27,16 +26,16 @@ ROOT_HALF = math.sqrt(0.5)
 class GustyAir:
     """The gusts of one flight. ``step`` s; ``wind_n``: the mean wind (m/s), whose direction gives theirs."""
 
-    def __init__(self, gusts: Gusts | DrydenGusts, wind_n: Vec3, step: float, rng: random.Random) -> None:
+    def __init__(self, gusts: Gusts | DrydenGusts, wind_n: Vec3, step: float, draw: Draw) -> None:
         self._gusts = gusts
         self._step = step
         speed = math.hypot(wind_n[0], wind_n[1])
         self._along = (1.0, 0.0) if speed == 0.0 else (wind_n[0] / speed, wind_n[1] / speed)
         self._every = max(1, round(PACED_EVERY / step))
         self._until_paced = 0
-        self._u = FirstOrder(rng, step, 1.0)
-        self._v = SecondOrder(rng, step, 1.0)
-        self._w = SecondOrder(rng, step, 1.0)
+        self._u = FirstOrder(draw, step, 1.0)
+        self._v = SecondOrder(draw, step, 1.0)
+        self._w = SecondOrder(draw, step, 1.0)
         self._sigma: Vec3 = (0.0, 0.0, 0.0)
 
     def update(self, height: float, airspeed: float) -> Vec3:

@@ -6,6 +6,7 @@ import heapq
 import random
 
 from companion.world.link import Way
+from sim_bridge.chance import Cause
 
 OVERTAKEN_FOR_US = 20_000
 """us a datagram that is overtaken comes later than it should."""
@@ -14,18 +15,18 @@ OVERTAKEN_FOR_US = 20_000
 class Passage:
     """One way of every endpoint's link: datagrams in now, out when they arrive. Times are us of the bridge's clock."""
 
-    def __init__(self, way: Way, rng: random.Random) -> None:
+    def __init__(self, way: Way, seed: int, cause: Cause) -> None:
         self._way = way
         self._delay_us = round(way.delay * 1e6)
         self._jitter_us = way.jitter * 1e6
-        self._rng = rng
+        self._chance = random.Random(f"{seed} {cause.name}").random
         self._last_us: dict[int, int] = {}
         self._queue: list[tuple[int, int, int, bytes]] = []
         self._sent = 0
 
     def send(self, now_us: int, endpoint: int, datagram: bytes) -> None:
         """A datagram sets out."""
-        way, chance = self._way, self._rng.random
+        way, chance = self._way, self._chance
         if way.loss and chance() < way.loss:
             return
         at_us = now_us + self._delay_us

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import random
 from typing import NamedTuple
 
 from companion.frames import Quaternion, Vec3
@@ -11,6 +10,7 @@ from companion.vehicle import Vehicle
 from companion.world import World
 from sim_bridge import environment
 from sim_bridge.battery import Cells
+from sim_bridge.chance import Cause, normals
 from sim_bridge.gusts import GustyAir
 from sim_bridge.integrate import Motion, runge_kutta
 from sim_bridge.rigid_body import body_of, derivative_of, true_vehicle
@@ -49,12 +49,12 @@ class Plant:
     """A vehicle in a world. ``step_s``: the fixed step. The clock counts steps, so that times are exact.
 
     ``vehicle`` is the true one: ``true_vehicle`` of what the companion believes. ``cells``: its battery, None where
-    there is none that sags. ``rng``: the source of the gusts. What disturbs it lasts until it is set again:
+    there is none that sags. ``seed``: of the gusts. What disturbs it lasts until it is set again:
     ``wind_n`` the mean wind (m/s), ``push_n`` a force (N), ``left`` the share of its thrust a rotor still gives,
     ``is_held`` whether somebody holds it fast.
     """
 
-    def __init__(self, vehicle: Vehicle, world: World, steps_per_second: int, rng: random.Random | None = None) -> None:
+    def __init__(self, vehicle: Vehicle, world: World, steps_per_second: int, seed: int = 0) -> None:
         self.vehicle = true_vehicle(vehicle, world.truth)
         self.world = world
         self.steps_per_second = steps_per_second
@@ -70,7 +70,9 @@ class Plant:
         self._reactions = tuple(rotor.spin.reaction * rotor.torque_per_thrust for rotor in self.vehicle.rotors)
         self._advance = runge_kutta(derivative_of(body_of(self.vehicle, world.truth)), self.step_s)
         self._gusts = (
-            None if world.gusts is None else GustyAir(world.gusts, world.wind_n, self.step_s, rng or random.Random(0))
+            None
+            if world.gusts is None
+            else GustyAir(world.gusts, world.wind_n, self.step_s, normals(seed, Cause.GUSTS))
         )
         self.cells = None if world.battery is None else Cells(world.battery, self.vehicle.thrust_max)
         self.wind_n = world.wind_n

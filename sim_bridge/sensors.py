@@ -6,14 +6,13 @@ The truth plus the world's errors, plus what resets have moved. In a world witho
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Callable
 from typing import NamedTuple
 
 from companion.frames import Quaternion, Vec3, from_rotation_vector, multiply
 from companion.world.estimate import Drift, Errors, Noise
 from companion.world.events import EstimatorReset
-from sim_bridge.chance import FirstOrder, SecondOrder
+from sim_bridge.chance import Draw, FirstOrder, SecondOrder
 from sim_bridge.plant import Truth
 
 RESETS_OF_A_BOOT = 11
@@ -44,12 +43,12 @@ Wrong = Callable[[], Vec3]
 
 
 class Sensors:
-    """The estimator of one vehicle, called once a ``step`` (s). ``rng``: the source of its errors."""
+    """The estimator of one vehicle, called once a ``step`` (s). ``draw``: the source of its errors."""
 
-    def __init__(self, errors: Errors, step: float, rng: random.Random) -> None:
-        noise = [_noise(each, step, rng) for each in (errors.position, errors.velocity, errors.attitude, errors.gyro)]
+    def __init__(self, errors: Errors, step: float, draw: Draw) -> None:
+        noise = [_noise(each, step, draw) for each in (errors.position, errors.velocity, errors.attitude, errors.gyro)]
         self._position, self._velocity, self._attitude, self._gyro = noise
-        self._drift = _drift(errors.drift, step, rng) if errors.drift else None
+        self._drift = _drift(errors.drift, step, draw) if errors.drift else None
         self._errs = bool(errors)
         self._moved = False
         self._p_moved: Vec3 = ZERO
@@ -99,27 +98,26 @@ def _sum(a: Vec3, b: Vec3) -> Vec3:
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
-def _noise(noise: Noise, step: float, rng: random.Random) -> Wrong | None:
+def _noise(noise: Noise, step: float, draw: Draw) -> Wrong | None:
     """White noise and a wander together; None where there is neither."""
     if not noise:
         return None
-    gauss = rng.gauss
     a, b, c = noise.white
     if not any(noise.wander):
-        return lambda: (gauss(0.0, a), gauss(0.0, b), gauss(0.0, c))
+        return lambda: (a * draw(), b * draw(), c * draw())
     x, y, z = noise.wander
-    i, j, k = (FirstOrder(rng, step, noise.wander_time) for _ in range(3))
+    i, j, k = (FirstOrder(draw, step, noise.wander_time) for _ in range(3))
     if not any(noise.white):
         return lambda: (x * i.update(), y * j.update(), z * k.update())
     return lambda: (
-        x * i.update() + gauss(0.0, a), y * j.update() + gauss(0.0, b), z * k.update() + gauss(0.0, c)
+        x * i.update() + a * draw(), y * j.update() + b * draw(), z * k.update() + c * draw()
     )  # fmt: skip
 
 
-def _drift(drift: Drift, step: float, rng: random.Random) -> Wrong:
+def _drift(drift: Drift, step: float, draw: Draw) -> Wrong:
     """A wander smooth enough to have a velocity: y of SecondOrder, whose y' has a variance of 1 / (2 time^2)."""
     x, y, z = (speed * drift.time * math.sqrt(2.0) for speed in drift.speed)
-    i, j, k = (SecondOrder(rng, step, drift.time) for _ in range(3))
+    i, j, k = (SecondOrder(draw, step, drift.time) for _ in range(3))
 
     def wander() -> Vec3:
         i.update()

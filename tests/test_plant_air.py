@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import random
 import statistics
 from typing import Any
 
@@ -16,7 +15,7 @@ from companion.frames import Vec3
 from companion.world import Battery, Deviations, Event, World
 from companion.world.air import DrydenGusts, Gusts
 from companion.world.machine import RotorDynamics
-from sim_bridge.chance import FirstOrder, SecondOrder
+from sim_bridge.chance import Cause, FirstOrder, SecondOrder, normals
 from sim_bridge.gusts import GustyAir
 from sim_bridge.plant import Plant
 from sim_bridge.rotors import spinning
@@ -35,8 +34,8 @@ def hovering(*events: Event, vehicle: str = "x500", **world: Any) -> Client:
 
 @pytest.mark.parametrize("a", [0.01, 0.3, 2.0])
 def test_processes_have_their_variance_and_memory_whatever_the_step(a: float) -> None:
-    rng = random.Random(1)
-    one, two = FirstOrder(rng, a, 1.0), SecondOrder(rng, a, 1.0)
+    draw = normals(1, Cause.GUSTS)
+    one, two = FirstOrder(draw, a, 1.0), SecondOrder(draw, a, 1.0)
     n = 40_000
     x, y = [], []
     for _ in range(n):
@@ -53,10 +52,8 @@ def test_processes_have_their_variance_and_memory_whatever_the_step(a: float) ->
 
 def test_a_process_is_the_same_whether_it_goes_in_one_step_or_in_many() -> None:
     """The exact solution: means after two half steps are those of a whole one."""
-    rng = random.Random(2)
-    half, whole = SecondOrder(rng, 0.5, 1.0), SecondOrder(rng, 1.0, 1.0)
+    half, whole = SecondOrder(lambda: 0.0, 0.5, 1.0), SecondOrder(lambda: 0.0, 1.0, 1.0)
     for process in (half, whole):
-        process._gauss = lambda mean, sigma: 0.0
         process.x, process.y = 2.0, -1.0
     half.update()
     half.update()
@@ -70,7 +67,7 @@ TICK = 0.05
 
 
 def flown_through(gusts: Gusts | DrydenGusts, wind_n: Vec3, airspeed: float, seconds: float) -> np.ndarray:  # type: ignore[type-arg]
-    air = GustyAir(gusts, wind_n, TICK, random.Random(3))
+    air = GustyAir(gusts, wind_n, TICK, normals(3, Cause.GUSTS))
     return np.array([air.update(10.0, airspeed) for _ in range(round(seconds / TICK))])
 
 

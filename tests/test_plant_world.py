@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import random
 import statistics
 from typing import Any
 
@@ -23,6 +22,7 @@ from companion.world.events import (
     Push,
     When,
 )
+from sim_bridge.chance import Cause, normals
 from sim_bridge.passage import Passage
 from sim_bridge.plant import Plant
 from sim_bridge.sensors import Sensors
@@ -40,7 +40,7 @@ def hovering(*events: Event, vehicle: str = "x500", **world: Any) -> Client:
 
 
 def estimates(errors: Errors, seconds: float, step: float = 0.02) -> list[Any]:
-    sensors = Sensors(errors, step, random.Random(5))
+    sensors = Sensors(errors, step, normals(5, Cause.ESTIMATE))
     plant = Plant(load_vehicle("x500"), World(), 250)
     truth = plant.truth._replace(q_nb=quaternion_from_euler(0.4, -0.2, 0.3), w_b=(0.1, 0.2, 0.3))
     return [sensors.observe(truth._replace(t_boot=i * step)) for i in range(round(seconds / step))]
@@ -77,7 +77,7 @@ def test_a_drift_is_smooth_and_the_velocity_does_not_show_it() -> None:
 
 def test_a_world_without_errors_shows_the_truth() -> None:
     plant = Plant(load_vehicle("x500"), World(), 250)
-    estimate = Sensors(Errors(), 0.004, random.Random(1)).observe(plant.truth)
+    estimate = Sensors(Errors(), 0.004, normals(1, Cause.ESTIMATE)).observe(plant.truth)
     assert (estimate.p_n, estimate.v_n, estimate.q_nb, estimate.w_b) == plant.truth[1:3] + plant.truth[4:6]
 
 
@@ -86,7 +86,7 @@ def test_a_world_without_errors_shows_the_truth() -> None:
 
 def sent_and_heard(way: Way, n: int = 4_000) -> list[tuple[float, int]]:
     """(s on the way, number) of datagrams sent every 4 ms, in the order they arrive."""
-    passage = Passage(way, random.Random(7))
+    passage = Passage(way, 7, Cause.DOWN)
     heard = []
     for i in range(n + 500):
         if i < n:
