@@ -96,7 +96,8 @@ def _finished(plan: Plan, memory: Memory, now: float) -> str | None:
         return f"rehearsed for {lasts:g} s: nothing was commanded" if now - memory.entered >= lasts else None
     if memory.phase not in (Phase.FOLLOW, Phase.REST) or memory.follow_from is None:
         return None
-    if plan.duration is not None and state.t_boot - memory.follow_from >= plan.duration:
+    # the first state after it, so that all of the duration was followed
+    if plan.duration is not None and state.t_boot - memory.follow_from > plan.duration + 1e-6:
         return f"followed for {plan.duration:g} s"
     if memory.phase is Phase.REST:
         return "flew to the end of the path" if is_at(memory) and not goes_back(plan, memory) else None
