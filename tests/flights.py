@@ -20,7 +20,7 @@ from companion.mission import Origin
 from companion.plan import law_level
 from companion.record.folder import Recorder, Source
 from companion.vehicle import MotorInterface, OutputLevel, Setpoint
-from companion.world import World
+from companion.world import Start, World
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
 
@@ -92,6 +92,8 @@ def flight(
     record: Path | None = None,
     time_out: float = 120.0,
     conduct: Conduct | None = None,
+    start: Start | None = None,
+    origin: Origin = Origin.LOCAL,
     prepare: Callable[[Flown], None] | None = None,
     meddle: Callable[[Flown, float], None] | None = None,
 ) -> Flown:
@@ -102,7 +104,7 @@ def flight(
     read = flyable(load_mission(mission, law_level(level)), machine)
     bridge = Bridge(
         machine, world or World(), seed=seed, direct=level is OutputLevel.MOTORS,
-        start=None if from_ground else start_of(read), landed=from_ground,
+        start=None if from_ground else start or start_of(read), landed=from_ground,
     )  # fmt: skip
     between = Between(bridge)
     recorder = None
@@ -114,7 +116,7 @@ def flight(
         ]
         recorder = Recorder(record, *sources, epoch=0.0)
     conduct = (conduct or Conduct())._replace(at_once=read.start is not None)
-    orders = Orders(read, machine, level, duration, Origin.LOCAL, set_parameters=True, conduct=conduct)
+    orders = Orders(read, machine, level, duration, origin, set_parameters=True, conduct=conduct)
     conductor = Conductor(orders, recorder, 0.0)
     flown = Flown(conductor, between)
     if prepare is not None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from companion.cli.output import LawOutput, Output
+from companion.cli.output import Ends, LawOutput, Output, WhoStarts
 from companion.vehicle import CompanionError
 
 app = typer.Typer(
@@ -114,6 +114,24 @@ def fly(
     set_parameters: Annotated[
         bool, typer.Option("--set-parameters", help="Set what rates need (COM_OF_LOSS_T) and set it back afterwards.")
     ] = False,
+    start: Annotated[
+        WhoStarts | None,
+        typer.Option(
+            "--start", help="Who arms and selects OFFBOARD. [default: pilot on a serial line, else companion]"
+        ),
+    ] = None,
+    finish: Annotated[
+        Ends | None, typer.Option("--finish", help="What follows the path. [default: land if it began on the ground]")
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Do everything but arm and command.")] = False,
+    bench: Annotated[
+        bool, typer.Option("--bench", help="Propellers off: tilt it by hand, and see the commands point back.")
+    ] = False,
+    tube: Annotated[float, typer.Option(min=0.5, help="m from the path at which the vehicle is handed back.")] = 5.0,
+    floor: Annotated[
+        float | None, typer.Option(help="m above home that are kept. [default: 1, or less for a low path]")
+    ] = None,
+    ceiling: Annotated[float | None, typer.Option(help="m above home that are not exceeded.")] = None,
     duration: Duration = None,
     settle: Settle = 10.0,
     record: Record = None,
@@ -125,11 +143,12 @@ def fly(
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
     from companion.cli.check import looked_at
     from companion.cli.finish import Ending, refuse, say
-    from companion.cli.flying import Flight
+    from companion.cli.flying import Flight, manner
     from companion.cli.flying import fly as fly_now
     from companion.cli.orders import Faults, read_sortie
     from companion.daemon.address import parsed
     from companion.feasibility.words import headline
+    from companion.flight.conduct import Conduct, Finish, Limits
     from companion.record.folder import new_directory
 
     faults = Faults()
@@ -142,8 +161,16 @@ def fly(
         if not accept_infeasible:
             raise typer.Exit(refuse(f"{headline(found)} (--accept-infeasible flies it all the same)", json))
         say(f"warning: {headline(found)}")
+    if dry_run and bench:
+        raise CompanionError("--dry-run and --bench exclude each other; expected one of them")
+    conduct = Conduct(
+        manner=manner(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
+        finish=Finish.AS_BEGUN if finish is None else Finish(finish.value),
+        limits=Limits(tube=tube, floor=floor, ceiling=ceiling),
+    )
     directory = record or new_directory(sortie.mission.name)
-    raise typer.Exit(fly_now(Flight(sortie, directory, duration, Ending(json, settle), set_parameters), open_port()))
+    flight = Flight(sortie, directory, duration, Ending(json, settle), set_parameters, conduct)
+    raise typer.Exit(fly_now(flight, open_port()))
 
 
 @app.command()

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from companion.cli.finish import NO_VEHICLE, Ending, finish, say
 from companion.cli.orders import Sortie
+from companion.cli.output import WhoStarts
 from companion.daemon.address import Port
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
+from companion.flight.conduct import Conduct, Manner
 from companion.mission import Origin
 from companion.record.folder import Recorder
 
 WAIT_FOR_VEHICLE = 10.0
+WORDS = {
+    Manner.COMPANION: "Ctrl-C hands it back",
+    Manner.PILOT: "the path is flown while the pilot has OFFBOARD selected",
+    Manner.REHEARSAL: "a dry run: nothing is armed, nothing is commanded",
+    Manner.BENCH: "the bench: PROPELLERS OFF; nothing is armed, nothing is commanded",
+}
 
 
 @dataclass(frozen=True)
@@ -26,6 +34,17 @@ class Flight:
     duration: float | None
     ending: Ending
     set_parameters: bool = False
+    conduct: Conduct = field(default_factory=Conduct)
+
+
+def manner(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial: bool) -> Manner:
+    """Who does what. On a serial line, which is how a companion sits in a vehicle, the pilot is asked to begin."""
+    if bench:
+        return Manner.BENCH
+    if dry_run:
+        return Manner.REHEARSAL
+    pilot = serial if start is None else start is WhoStarts.PILOT
+    return Manner.PILOT if pilot else Manner.COMPANION
 
 
 def fly(flight: Flight, port: Port) -> int:
@@ -40,9 +59,10 @@ def fly(flight: Flight, port: Port) -> int:
         Origin.TAKEOFF,
         auto=sortie.auto,
         set_parameters=flight.set_parameters,
+        conduct=flight.conduct,
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
-    say(f"listening to {port.describe()} for a vehicle; Ctrl-C hands it back")
+    say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.manner]}")
     try:
         stopped = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE)
     except NoVehicleError as error:

@@ -19,3 +19,18 @@ class LawOutput(enum.Enum):
 
     MOTORS = "motors"
     RATES = "rates"
+
+
+class WhoStarts(enum.Enum):
+    """``--start``."""
+
+    COMPANION = "companion"
+    PILOT = "pilot"
+
+
+class Ends(enum.Enum):
+    """``--finish``."""
+
+    HOLD = "hold"
+    LAND = "land"
+    RETURN = "return"

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from companion import pilot
 from companion.daemon.conducting import conducted
 from companion.flight import output
-from companion.flight.conduct import Conduct
+from companion.flight.conduct import Conduct, Manner
 from companion.flight.phases import Phase, Request
 from companion.flight.situation import Answer, Reply
 from companion.geodesy import LocalFrame
@@ -301,6 +301,8 @@ class Conductor:
         """Fly at a level, with the parameters it needs."""
         self._choice = choice
         self.notes.append(choice.why)
+        if self.orders.conduct.manner in (Manner.REHEARSAL, Manner.BENCH):
+            return  # nothing is commanded, nor set
         for name, value in choice.settings:
             was = self.parameters.value(name)
             if was is not None:

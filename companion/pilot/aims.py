@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from companion.flight.conduct import Manner
 from companion.flight.phases import Phase
+from companion.frames import Vec3, conjugate, multiply
 from companion.law.flight import Ramp
 from companion.mission import Repeat
 from companion.pilot.memory import Memory
@@ -40,6 +40,11 @@ def here(state: VehicleState) -> At:
 def on_path(plan: Plan, s: float) -> At:
     """The point of the path at arc length ``s``, looking as the mission wants it there."""
     return At(plan.table.at(s)[0], plan.mission.beta(s))
+
+
+def join(plan: Plan, state: VehicleState, leg: float) -> At:
+    """Where the path is joined: at its beginning where it is open, at its nearest point where it goes round."""
+    return on_path(plan, plan.table.locate(state.p_n)[0] if plan.table.closed else beginning(plan, leg))
 
 
 def beginning(plan: Plan, leg: float) -> float:
@@ -80,7 +85,7 @@ def chosen(plan: Plan, memory: Memory) -> tuple[Aim, Ramp]:
     assert progress is not None
     along = phase is Phase.FOLLOW or plan.conduct.at_once
     if phase is Phase.REHEARSE:
-        along = plan.conduct.manner is Manner.REHEARSAL
+        along = progress.path_error < JOIN_WITHIN
     if memory.aim is None or along:
         ramp = _ramp(plan, memory)
         return Along(progress.s, ramp), ramp
@@ -147,6 +152,20 @@ def _brake(plan: Plan, memory: Memory) -> Ramp:
     speed = b * alpha
     rate = -slope * speed / stretch
     return Ramp(b, rate, (bend * speed * speed / stretch - slope * alpha * rate) / stretch)
+
+
+def turning(plan: Plan, state: VehicleState) -> Vec3:
+    """What levels the vehicle, as rates (rad/s), a rotation (rad) or torques (N m) about its axes, by what is sent."""
+    setpoint = plan.steering.level(state)
+    if isinstance(setpoint, RateSetpoint):
+        return setpoint.rates_b
+    if isinstance(setpoint, AttitudeSetpoint):
+        w, x, y, z = multiply(conjugate(state.q_nb), setpoint.q_nb)
+        return (math.copysign(2.0, w) * x, math.copysign(2.0, w) * y, math.copysign(2.0, w) * z)
+    thrusts = [rotor.thrust_max * c for rotor, c in zip(plan.vehicle.rotors, setpoint.commands, strict=True)]
+    arms = [rotor.position_b for rotor in plan.vehicle.rotors]
+    roll = -sum(y * thrust for (_, y, _), thrust in zip(arms, thrusts, strict=True))
+    return (roll, sum(x * thrust for (x, _, _), thrust in zip(arms, thrusts, strict=True)), 0.0)
 
 
 def neutral(plan: Plan, state: VehicleState, grounded: bool) -> Setpoint:

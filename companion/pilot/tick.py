@@ -12,7 +12,7 @@ from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.bare import LawError
 from companion.law.flight import Ramp
-from companion.pilot.aims import STEADY, beginning, chosen, end, here, neutral, on_path, scaled
+from companion.pilot.aims import STEADY, chosen, end, here, join, neutral, on_path, scaled, turning
 from companion.pilot.memory import OWN_MODE, Memory, Observation, Outcome, Progress
 from companion.pilot.sight import sight, situation
 from companion.plan import Plan
@@ -46,11 +46,12 @@ def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Mem
     memory = _decided(plan, memory, seen, verdict, now, notes)
     steered, ramp, setpoint = None, STEADY, None
     fresh = seen.state is not None and seen.state is memory.state
-    if fresh and PHASES[memory.phase].steers and memory.phase is not Phase.ABORT:
+    if memory.phase is Phase.REHEARSE and plan.conduct.manner is Manner.BENCH:
+        memory = _shown(plan, memory, notes) if fresh else memory
+    elif fresh and PHASES[memory.phase].steers and memory.phase is not Phase.ABORT:
         try:
             memory, steered, ramp = _steered(plan, memory, seen)
             setpoint = None if memory.phase is Phase.REHEARSE else steered.setpoint
-            memory = _shown(plan, memory, notes)
         except LawError as error:
             memory = _decided(plan, memory, seen, verdict, now, notes, str(error))
     elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None:
@@ -153,14 +154,13 @@ def _entered(
 
 def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | None:
     """The point that is held or gone to from now on; None to go on along the path."""
-    if phase is Phase.JOIN:
-        s = plan.table.locate(state.p_n)[0] if plan.table.closed else beginning(plan, memory.leg)
-        return on_path(plan, s)
+    if phase in (Phase.JOIN, Phase.REHEARSE):
+        return join(plan, state, memory.leg)
     if phase is Phase.REST:
         return on_path(plan, end(plan, memory.leg))
     if phase is Phase.HAND_BACK and plan.conduct.manner is not Manner.PILOT:
         return memory.aim
-    if phase in (Phase.TAKE_OVER, Phase.HAND_BACK, Phase.REHEARSE) or memory.aim is None:
+    if phase in (Phase.TAKE_OVER, Phase.HAND_BACK) or memory.aim is None:
         return here(state)
     return memory.aim
 
@@ -175,9 +175,6 @@ def _steered(plan: Plan, memory: Memory, seen: Observation) -> tuple[Memory, Ste
         dt = min(max(state.t_boot - memory.steered_at, 0.0), DT_MAX)
     wanted = min(max(seen.speed_scale, 0.0), plan.conduct.speed_scale_max)
     memory = memory._replace(scale=scaled(memory, wanted, dt))
-    if plan.conduct.manner is Manner.BENCH:
-        state = state._replace(v_n=(0.0, 0.0, 0.0))  # held in a hand, it goes nowhere
-        memory = memory._replace(aim=here(state))
     aim, ramp = chosen(plan, memory)
     steered = plan.steering.steer(steering, state, dt, aim, seen.link_delay)
     return memory._replace(steering=steered.memory, steered=steered, steered_at=state.t_boot), steered, ramp
@@ -185,11 +182,10 @@ def _steered(plan: Plan, memory: Memory, seen: Observation) -> tuple[Memory, Ste
 
 def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
     """On the bench: what was shown."""
-    if memory.phase is not Phase.REHEARSE or plan.conduct.manner is not Manner.BENCH:
-        return memory
-    assert memory.state is not None and memory.steered is not None
-    _, pitch, roll = euler_from_rotation(memory.state.r_nb)
-    shown, told = looked(memory.shown, roll, pitch, memory.steered.command.turn)
+    state = memory.state
+    assert state is not None
+    _, pitch, roll = euler_from_rotation(state.r_nb)
+    shown, told = looked(memory.shown, roll, pitch, turning(plan, state))
     if told is not None:
         notes.append(told)
     return memory._replace(shown=shown)
