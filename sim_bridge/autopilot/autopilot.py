@@ -237,7 +237,7 @@ class Autopilot:
     def request_mode(self, mode: Mode, aloud: bool = True) -> Result:
         """Somebody asks for a mode. ``aloud``: a refusal is told in words."""
         result = self.commander.request_mode(mode, self.t, aloud)
-        if result is Result.ACCEPTED and mode is Mode.RETURN:
+        if result is Result.ACCEPTED and mode is Mode.RETURN and self.commander.armed:
             height = self.guidance.return_height(self.estimate)
             above = round(height + self.home.altitude), round(height)
             self.commander.say(

@@ -10,7 +10,7 @@ from companion.mavlink.dialect import Format, Value, message
 from sim_bridge.autopilot import parameter_link, position_setpoints
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import Result, Severity, Text
-from sim_bridge.autopilot.commands import NOT_GIVEN, SET_MODE, Command, execute, is_integer_max, set_mode
+from sim_bridge.autopilot.commands import SET_MODE, Command, execute, is_integer_max, place_given, set_mode, stray
 from sim_bridge.autopilot.commands.parts import GROUND_STATION_COMPONENT
 from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
 from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
@@ -31,7 +31,6 @@ POLL_US = 10_000
 NOT_ON_REQUEST = frozenset({message("GPS_RAW_INT").id, message("TIME_ESTIMATE_TO_TARGET").id, message("PING").id})
 """Messages a request is denied for: whatever there is to say has been streamed already."""
 
-GLOBAL_INT = 5  # MAV_FRAME_GLOBAL_INT
 NAN_CAST = 0x7FF80000
 """What becomes of NaN where somebody casts it to a coordinate of COMMAND_INT."""
 KNOWN_TO_THE_LINK = frozenset({176, 212, 420, 510, 511, 512})
@@ -59,7 +58,9 @@ class Link:
         self._streams = streams
         self._encoder = Encoder(SYSTEM, COMPONENT)
         self._parameters = ParameterLink(autopilot.parameters, SYSTEM, self.emit)
-        self._missions = MissionLink(autopilot.missions, autopilot.mission, SYSTEM, self.emit, self.say)
+        self._missions = MissionLink(
+            autopilot.missions, autopilot.mission, SYSTEM, self.emit, autopilot.commander.texts.append
+        )  # fmt: skip
         self._builders = BUILDERS | {_LINK_NODE_STATUS.id: (_LINK_NODE_STATUS, self._link_node_status)}
         self._editions: dict[int, object] = {}
         self._texts = 0
@@ -208,17 +209,17 @@ class Link:
         a, b, c, d, x, y, z, command, system, component, kind, *_ = frame.values
         if x == y == NAN_CAST:
             self._acknowledge(command, Result.DENIED, frame)
-        elif kind != GLOBAL_INT:  # the only one PX4 takes, looked at before the addressee
-            self._acknowledge(command, Result.UNSUPPORTED_FRAME, frame)
         elif _for_us(system, component):
-            given = (math.nan, math.nan) if x == y == NOT_GIVEN else (x * 1e-7, y * 1e-7)
-            self._execute(command, (a, b, c, d, *given, z), frame)
+            self._execute(command, (a, b, c, d, *place_given(command, kind, x, y), z), frame)
 
     def _execute(
         self, command: int, parameters: tuple[float, float, float, float, float, float, float], frame: Frame
     ) -> None:
         if (frame.system, frame.component) == (SYSTEM, COMPONENT) and command not in KNOWN_TO_THE_LINK:
             return  # PX4 takes no orders from itself
+        if stray(command, parameters):
+            self._acknowledge(command, Result.DENIED, frame)
+            return
         result = execute(Command(command, parameters, frame.system, frame.component), self._autopilot, self)
         if result is not None:
             self._acknowledge(command, result, frame)

@@ -29,6 +29,9 @@ def look_after(autopilot: Autopilot) -> None:
     commander.facts.mission_finished = mission.finished
     mission.is_flown = commander.mode in COUNTS_AS_MISSION
     orders, mission.orders = mission.orders, []
+    notes, mission.notes = mission.notes, []
+    for note in notes:
+        commander.say(Severity.INFO, note)
     for order in orders:
         carry_out(order, autopilot)
     if not commander.armed:
@@ -49,8 +52,12 @@ def _check(autopilot: Autopilot, is_new: bool) -> None:
         items, home_is_known=autopilot.whereabouts.home_set_us is not None, home_altitude=autopilot.home_altitude,
         landed=autopilot.commander.landed, may_be_at=may_be_at,
     )  # fmt: skip
+    commander = autopilot.commander
     if items and fault is not None:
-        autopilot.commander.say(Severity.CRITICAL, fault)
+        commander.say(Severity.CRITICAL, fault)
+    if fault is not None and commander.armed and commander.mode is Mode.MISSION:
+        then = "refusing takeoff" if commander.landed else "loitering"
+        commander.say(Severity.CRITICAL, f"No valid mission available, {then}\t")
     if is_new:
         autopilot.mission.renew()
     autopilot.mission.is_valid = bool(items) and fault is None

@@ -16,6 +16,7 @@ from companion.vehicle import Vehicle
 from companion.world import Home
 
 TABLE = Path(__file__).with_name("parameters.txt")
+FLOAT_EPSILON = 1.1920929e-7
 VOLATILE = frozenset(
     {"ASPD_SCALE_1", "COM_FLIGHT_UUID", "EKF2_MAG_DECL", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO", "SENS_DPRES_OFF"}
 )
@@ -49,10 +50,14 @@ class Parameters(dict[str, float]):
         return struct.pack("<i", int(value)) if self.is_integer(name) else _float32(value)
 
     def unpack(self, name: str, raw: bytes) -> None:
-        """Set a value from its four bytes, and note that it was set if that changed it."""
-        if raw != self.packed(name):
-            (self[name],) = struct.unpack("<i" if self.is_integer(name) else "<f", raw)
+        """Set a value from its four bytes, and note that it was set if that changed it.
+
+        As in PX4 a change from or to no number is none that anybody is told of.
+        """
+        (value,) = struct.unpack("<i" if self.is_integer(name) else "<f", raw)
+        if abs(value - self[name]) > FLOAT_EPSILON:
             self.changes.append(name)
+        self[name] = value
 
     def reset(self) -> None:
         """Everything back to its default."""

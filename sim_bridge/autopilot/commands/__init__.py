@@ -1,5 +1,6 @@
 """What the vehicle answers to commands: MAV_CMD -> MAV_RESULT, as PX4 does.
 
+taken       which parameters a command takes, and how COMMAND_INT gives a place
 parts       a command, what it may do to its link, numbers
 modes       modes, arming, take-off, landing, return
 navigation  places, speeds, missions, home
@@ -14,9 +15,10 @@ from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import Result
 from sim_bridge.autopilot.commands import modes, navigation, services
 from sim_bridge.autopilot.commands.modes import set_mode
-from sim_bridge.autopilot.commands.parts import NOT_GIVEN, Command, Handler, Wire, is_integer_max
+from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, is_integer_max
+from sim_bridge.autopilot.commands.taken import place_given, stray
 
-__all__ = ["NOT_GIVEN", "SET_MODE", "Command", "Wire", "execute", "is_integer_max", "set_mode"]
+__all__ = ["SET_MODE", "Command", "Wire", "execute", "is_integer_max", "place_given", "set_mode", "stray"]
 
 SET_MODE = modes.SET_MODE
 _HANDLERS: dict[int, Handler] = modes.HANDLERS | navigation.HANDLERS | services.HANDLERS

@@ -21,10 +21,10 @@ CHANGE_SPEED, SET_HOME, CHANGE_ALTITUDE, LAND_START, GO_AROUND, REPOSITION = (
     192,
 )  # MAV_CMD_DO_*
 REGIONS_OF_INTEREST = (80, 195, 196, 197, 201)  # MAV_CMD_NAV_ROI, DO_SET_ROI_*
-MISSION_START, SET_MISSION_CURRENT = 300, 224
+MISSION_START, SET_MISSION_CURRENT, SET_ORIGIN = 300, 224, 611
 ROI_PLACE = 195
 CHANGE_MODE = 1
-"""MAV_DO_REPOSITION_FLAGS_CHANGE_MODE: the only one PX4 takes, and it must be there."""
+"""MAV_DO_REPOSITION_FLAGS_CHANGE_MODE; without it only a vehicle that holds already moves."""
 
 
 def _set_home(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
@@ -57,9 +57,10 @@ def _place(autopilot: Autopilot, latitude: float, longitude: float, altitude: fl
 def _reposition(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
     """Hold at a place. What is not a number stays as it is; nothing given at all: hold here."""
     speed, flags, _, yaw, latitude, longitude, altitude = command.parameters
-    if not math.isfinite(flags) or int(flags) != CHANGE_MODE:
-        return Result.UNSUPPORTED
-    result = autopilot.request_mode(Mode.HOLD)
+    if math.isfinite(flags) and int(flags) & CHANGE_MODE:
+        result = autopilot.request_mode(Mode.HOLD)
+    else:
+        result = Result.ACCEPTED if autopilot.commander.mode is Mode.HOLD else Result.DENIED
     if result is Result.ACCEPTED and autopilot.commander.armed:
         level = None
         if math.isfinite(latitude) and math.isfinite(longitude):
@@ -71,9 +72,10 @@ def _reposition(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
 
 
 def _change_altitude(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
-    """Hold at another altitude (m above the sea)."""
+    """Hold at another altitude (m above the sea), where it holds already."""
     altitude = command.parameters[0]
-    result = autopilot.request_mode(Mode.HOLD)
+    holds = autopilot.commander.mode is Mode.HOLD
+    result = Result.ACCEPTED if holds else Result.TEMPORARILY_REJECTED
     if result is Result.ACCEPTED and autopilot.commander.armed and math.isfinite(altitude):
         autopilot.go_to(None, autopilot.home.altitude - altitude, None, None)
     return result
@@ -132,6 +134,7 @@ def _accept(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
 HANDLERS: dict[int, Handler] = {
     CHANGE_SPEED: _change_speed,
     SET_HOME: _set_home,
+    SET_ORIGIN: _accept,
     CHANGE_ALTITUDE: _change_altitude,
     LAND_START: _land_start,
     GO_AROUND: _accept,

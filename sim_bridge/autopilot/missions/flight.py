@@ -35,7 +35,8 @@ class Leg(NamedTuple):
 class MissionFlight:
     """The flight of the mission in ``store``. ``sea_level``: m above the sea of the local frame's origin.
 
-    ``orders``: items that are commands, to be carried out by whoever reads and clears them.
+    ``orders``: items that are commands, to be carried out by whoever reads and clears them; ``notes``: what is told to
+    the operator, likewise.
     """
 
     def __init__(self, parameters: Parameters, store: Store, projection: MapProjection, sea_level: float) -> None:
@@ -47,6 +48,7 @@ class MissionFlight:
         self.reached = -1
         self.finished = False
         self.orders: list[Item] = []
+        self.notes: list[str] = []
         self.interest: Vec3 | None = None  # the region of interest: what the nose points at
         self._edition = -1
         self._told_current = 0
@@ -102,6 +104,7 @@ class MissionFlight:
         self._edition, self._told_current = self._store.editions[Kind.MISSION], self._store.told_current
         self.finished = False
         self._place = None
+        self.notes.append("Executing Mission\t")
         self._resolve()
         self._set(now, climb=True)
 
@@ -110,6 +113,7 @@ class MissionFlight:
         store = self._store
         if (self._edition, self._told_current) != (store.editions[Kind.MISSION], store.told_current):
             self.begin(now)
+            self.notes.pop()  # it has been executed before
         for _ in range(len(self._items) + _JUMPS_IN_A_ROW):
             item = self.item
             if item is None or self.finished or not self._is_done(item, now, t, landed):
@@ -121,19 +125,18 @@ class MissionFlight:
             self.reached = store.current
             if not item.autocontinue:
                 break
-            self._advance(now)
+            self._advance(now, landed)
         return self._wanted(now)
 
-    def _advance(self, now: Estimate) -> None:
-        if self._store.current + 1 >= len(self._items):
-            self.finished = True
-            return
+    def _advance(self, now: Estimate, landed: bool) -> None:
         before = self._store.current
-        self._store.current += 1
-        if not self._resolve():
-            self._store.current, self.finished = before, True
-            return
-        self._set(now, climb=False)
+        if before + 1 < len(self._items):
+            self._store.current += 1
+            if self._resolve():
+                self._set(now, climb=False)
+                return
+        self._store.current, self.finished = before, True
+        self.notes.append(f"Mission finished, {'landed' if landed else 'loitering'}\t")
 
     def _resolve(self) -> bool:
         """Follow jumps until an item to fly is current. False: there is none."""

@@ -102,7 +102,7 @@ _WITHOUT_A_PLACE = {
     20, 80, 93, 112, 177, 178, 179, 187, 189, 196, 197, 200, 201, 202, 203, 204, 205, 206, 211, 212, 214, 260, 400, 530,
     532, 534, 1000, 1001, 2000, 2001, 2003, 2500, 2501, 3000, 42600,
 }  # fmt: skip
-_TAKES: dict[int, int] = {
+TAKES: dict[int, int] = {
     16: 0x7B, 17: 0x7C, 19: 0x7F, 20: 0x00, 21: 0x7B, 22: 0x79, 31: 0x7B, 80: 0x77, 84: 0x78, 85: 0x7C, 93: 0x0F,
     112: 0x01, 114: 0x01, 176: 0x07, 177: 0x03, 178: 0x07, 179: 0x7F, 189: 0x70, 195: 0x70, 196: 0x01, 197: 0x01,
     201: 0x07, 206: 0x0F, 211: 0x03, 212: 0x03, 214: 0x07, 224: 0x00, 400: 0x03, 420: 0x0F, 530: 0x03, 532: 0x07,
@@ -146,7 +146,12 @@ def read(frame: Frame) -> Item | Answer:
     if command in (80, 201) and int(_finite(params[0])) not in (0, 1, 2):
         return Answer.INVALID_PARAM1
     kept = Command.DELAY if command == Command.CONDITION_DELAY else command
-    return Item(kept, MISSION, said["autocontinue"], params, float(x), float(y), z)
+    return Item(kept, MISSION, said["autocontinue"], params, _single(x), _single(y), z)
+
+
+def of_a_fence(item: Item) -> Item:
+    """An item as it is kept in a fence, where heights and the way on mean nothing."""
+    return item._replace(frame=GLOBAL if item.has_coordinates else item.frame, autocontinue=0)
 
 
 def values(item: Item, whole: bool, others: dict[str, Value]) -> tuple[Value, ...]:
@@ -173,7 +178,7 @@ def checksum(frame: Frame, before: int) -> int:
 
 def _stray(command: int, params: Four, place: tuple[Value, Value], z: float, whole: bool) -> int:
     """The first parameter, counted from 1, that is given and not taken; 0: none."""
-    takes = _TAKES.get(command)
+    takes = TAKES.get(command)
     if takes is None:
         return 0
     given = [not math.isnan(value) and value != 0.0 for value in params]
@@ -198,6 +203,12 @@ def _kept(command: int, params: Four) -> Four:
     if command in (Command.ROI, Command.OLD_ROI, Command.ROI_LOCATION):
         kept[0] = params[0] if command != Command.ROI_LOCATION else 0.0
     return (kept[0], kept[1], kept[2], kept[3])
+
+
+def _single(value: float) -> float:
+    """Rounded to single precision, in which PX4 keeps these."""
+    (rounded,) = struct.unpack("<f", struct.pack("<f", value))
+    return float(rounded)
 
 
 def _finite(value: float) -> float:

@@ -9,7 +9,17 @@ from typing import Protocol
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value, message
 from sim_bridge.autopilot.commander import Severity, Text
-from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, Answer, Command, Item, checksum, read, values
+from sim_bridge.autopilot.missions.items import (
+    ITEM,
+    ITEM_INT,
+    Answer,
+    Command,
+    Item,
+    checksum,
+    of_a_fence,
+    read,
+    values,
+)
 from sim_bridge.autopilot.missions.store import ALL, MOST, Kind, Store
 
 GIVE_UP_US, AGAIN_US = 5_000_000, 250_000
@@ -59,7 +69,7 @@ class Progress(Protocol):
 
 
 class MissionLink:
-    """One link's side, of the vehicle with system id ``system``. ``send`` and ``say`` go out on this link."""
+    """One link's side, of the vehicle with system id ``system``. ``send``: on this link; ``say``: to every operator."""
 
     def __init__(
         self, store: Store, progress: Progress, system: int, send: Send, say: Callable[[Text], None]
@@ -197,12 +207,12 @@ class MissionLink:
             self._acknowledge(sender, Answer.ERROR)
             return
         self._partner, self._kind, self._id, self._reached = sender, said["mission_type"], 0, -1
-        if self._kind not in tuple(Kind):
-            self._acknowledge(sender, Answer.INVALID if count else Answer.ACCEPTED)
-        elif count > MOST[Kind(self._kind)]:
+        most = MOST[Kind(self._kind)] if self._kind in tuple(Kind) else 0
+        if count > most:
             self._acknowledge(sender, Answer.NO_SPACE)
         elif count == 0:
-            self._store.clear(Kind(self._kind))
+            if most:
+                self._store.clear(Kind(self._kind))
             self._acknowledge(sender, Answer.ACCEPTED)
         else:
             self._state, self._store.transferring = State.RECEIVING, True
@@ -247,7 +257,7 @@ class MissionLink:
             self._finish()
             return
         self._id = checksum(frame, self._id)
-        self._items.append(item)
+        self._items.append(of_a_fence(item) if self._kind == Kind.FENCE else item)
         if current:
             self._current = self._expected
         self._expected += 1
