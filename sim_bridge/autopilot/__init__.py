@@ -16,6 +16,7 @@ guidance    what the automatic modes fly
 missions/   missions, geofences, rally points: the protocol, what is refused, what is flown
 mission_watch, orders   the mission beside its flight
 fence_watch whether the vehicle is where it may be
+orbit       flying round a point
 heading     the turning of the nose
 autopilot   one step: estimate in, motor commands out
 messages    what the vehicle says, message by message

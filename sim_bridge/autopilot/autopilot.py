@@ -250,6 +250,12 @@ class Autopilot:
     ) -> None:
         """In HOLD: hold at another place (m, NED), heading (rad) and cruise speed (m/s); None: as it is."""
         if self.commander.mode is Mode.HOLD:
+            before = self.guidance.destination or self.estimate.p_n
+            place = (*(before[:2] if level is None else level), before[2] if down is None else down)
+            home = self.guidance.home_n if self.whereabouts.home_set_us is not None else None
+            if self.parameters["GF_ACTION"] and self.fence.broken_at(place, home):
+                self.commander.say(Severity.CRITICAL, "Reposition is outside geofence\t")
+                return
             if self._flown is not Mode.HOLD:
                 self._enter(Mode.HOLD)
             self.guidance.go_to(self.estimate, level, down, heading, speed)

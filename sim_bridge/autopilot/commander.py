@@ -28,7 +28,7 @@ MANUAL = {
     Mode.MANUAL, Mode.ALTITUDE, Mode.POSITION, Mode.POSITION_SLOW, Mode.ACRO, Mode.STABILIZED, Mode.ALTITUDE_CRUISE,
 }  # fmt: skip
 """Modes that need somebody at the sticks."""
-NOT_THERE = {Mode.ORBIT, Mode.FOLLOW, Mode.GUIDED_COURSE, Mode.READY, Mode.UNKNOWN}
+NOT_THERE = {Mode.FOLLOW, Mode.GUIDED_COURSE, Mode.READY, Mode.UNKNOWN}
 """Modes that this vehicle does not fly."""
 ENDING = {Mode.LAND, Mode.RETURN, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION, Mode.ORBIT}
 """Modes in which nobody arms, and after which, once disarmed, the mode before them is back."""
@@ -205,7 +205,9 @@ class Commander:
         self._watch_sticks()
         self._look(t)
         if self.armed and self.landed:
-            if self.has_flown and t - self.landed_at >= self._parameters["COM_DISARM_LAND"] > 0.0:
+            at_the_end = self.intent is Mode.MISSION and self.facts.mission_finished
+            wait = 0.0 if at_the_end else self._parameters["COM_DISARM_LAND"]
+            if self.has_flown and t - self.landed_at >= wait and self._parameters["COM_DISARM_LAND"] > 0.0:
                 self._disarm("landing")
             elif not self.has_flown and t - self.armed_at >= self._parameters["COM_DISARM_PRFLT"] > 0.0:
                 self._disarm("auto preflight disarming")

@@ -13,6 +13,7 @@ from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.heading import Nose
 from sim_bridge.autopilot.missions.flight import Leg, MissionFlight
+from sim_bridge.autopilot.orbit import Orbit
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.control.position import Axes, Target
 from sim_bridge.control.reference import Pace, Reference, along, towards
@@ -58,6 +59,8 @@ class Guidance:
         self._place: Vec3 | None = None  # where the reference is led; None: to a stop
         self._opened_at: float | None = None
         self._climbing = self._landing = False
+        self.orbit: Orbit | None = None
+        self.notes: list[str] = []  # for the operator, to be taken out by whoever shows them
         self.target: Target | None = None  # what was last asked of the position loop
         self.cruise_speed: float | None = None  # m/s where somebody has asked for another than MPC_XY_CRUISE
 
@@ -151,6 +154,9 @@ class Guidance:
             return self._target((north, east, None))
         if self._mode is Mode.RETURN:
             self._next_leg(now)
+        if self._mode is Mode.ORBIT and self.orbit is not None:
+            self._reference = self.orbit.moved(self._reference, self._pace, step)
+            return self._target(self._reference.p_n)
         pace = self._pace
         if self.is_taking_off:
             pace = pace._replace(climb=self._parameters["MPC_TKO_SPEED"])
@@ -169,6 +175,8 @@ class Guidance:
     def _turn(self, now: Estimate, step: float) -> None:
         """The nose a little nearer to where it is to point, or to where the vehicle goes if that is far enough."""
         wanted = self._heading
+        if self._mode is Mode.ORBIT and self.orbit is not None:
+            wanted = self.orbit.heading(now, self._nose.heading)
         if wanted is None and self._place is not None:
             north, east = self._place[0] - now.p_n[0], self._place[1] - now.p_n[1]
             if math.hypot(north, east) > self._parameters["NAV_ACC_RAD"]:
@@ -217,7 +225,9 @@ class Guidance:
         if self._climbing and now.p_n[2] - self._place[2] < HEIGHT_REACHED:
             self._climbing = False
             self._place = (self.home_n[0], self.home_n[1], self._place[2])
-        self._landing = not self._climbing and self._from_home(now) < PLACE_REACHED
+        if not self._landing and not self._climbing and self._from_home(now) < PLACE_REACHED:
+            self._landing = True
+            self.notes.append("RTL: land at destination\t")
 
     def _from_home(self, now: Estimate) -> float:
         """m, level."""

@@ -29,7 +29,9 @@ def look_after(autopilot: Autopilot) -> None:
     commander.facts.mission_finished = mission.finished
     mission.is_flown = commander.mode in COUNTS_AS_MISSION
     orders, mission.orders = mission.orders, []
-    notes, mission.notes = mission.notes, []
+    notes = [*mission.notes, *autopilot.guidance.notes]
+    mission.notes.clear()
+    autopilot.guidance.notes.clear()
     for note in notes:
         commander.say(Severity.INFO, note)
     for order in orders:
@@ -53,7 +55,7 @@ def _check(autopilot: Autopilot, is_new: bool) -> None:
         landed=autopilot.commander.landed, may_be_at=may_be_at,
     )  # fmt: skip
     commander = autopilot.commander
-    if items and fault is not None:
+    if items and fault is not None and fault.endswith("\t"):
         commander.say(Severity.CRITICAL, fault)
     if fault is not None and commander.armed and commander.mode is Mode.MISSION:
         then = "refusing takeoff" if commander.landed else "loitering"

@@ -8,6 +8,7 @@ from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import FORCE, Result, Severity
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, byte, whole
+from sim_bridge.autopilot.orbit import ordered
 
 RETURN_TO_LAUNCH, LAND, TAKEOFF, PRECISION_LAND, ORBIT = 20, 21, 22, 23, 34  # MAV_CMD_NAV_* and DO_ORBIT
 SET_MODE, FLIGHT_TERMINATION, SET_STANDARD_MODE, ARM_DISARM = 176, 185, 262, 400
@@ -106,9 +107,22 @@ def _announced(mode: Mode, text: str, autopilot: Autopilot) -> Result:
 
 
 def _orbit(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+    radius, speed, nose, _, latitude, longitude, altitude = command.parameters
     result = autopilot.request_mode(Mode.ORBIT, aloud=False)
     if result is not Result.ACCEPTED:
         autopilot.commander.say(Severity.CRITICAL, "Orbit command rejected")
+        return result
+    now, guidance = autopilot.estimate, autopilot.guidance
+    centre = None
+    if math.isfinite(latitude) and math.isfinite(longitude):
+        down = autopilot.home.altitude - altitude if math.isfinite(altitude) else now.p_n[2]
+        centre = (*autopilot.projection.project(latitude, longitude), down)
+    most = autopilot.parameters["MC_ORBIT_RAD_MAX"]
+    orbit = ordered(guidance.orbit, (radius, speed, nose), centre, now, most)
+    if orbit is None:
+        autopilot.commander.say(Severity.CRITICAL, "Orbit radius limit exceeded\t")
+    else:
+        guidance.orbit = orbit
     return result
 
 

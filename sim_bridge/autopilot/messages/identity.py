@@ -35,6 +35,8 @@ def _base_mode(a: Autopilot) -> int:
         return bits | (0 if a.demand is None or isinstance(a.demand, RateDemand | MotorDemand) else STABILIZED)
     if mode is Mode.ACRO:
         return bits | MANUAL_INPUT
+    if mode is Mode.ORBIT:
+        return bits | STABILIZED
     return bits | STABILIZED | (GUIDED | AUTO if mode.main == 4 else MANUAL_INPUT)
 
 

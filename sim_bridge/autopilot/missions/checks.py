@@ -18,7 +18,7 @@ def fault_of(
     landed: bool,
     may_be_at: Callable[[float, float, float], bool],
 ) -> str | None:
-    """The text a mission is refused with; None: it can be flown.
+    """What is wrong with a mission; None: it can be flown. PX4 says what ends in a tab as a text; the rest is an event.
 
     ``home_altitude``: m above the sea; ``may_be_at``: whether the geofence allows a latitude, longitude (degrees) and
     altitude (m above the sea).
@@ -28,14 +28,14 @@ def fault_of(
     found_place = False
     for number, item in enumerate(items, 1):
         if item.command == Command.LAND and number == 1 and landed:
-            return "Mission rejected: starts with landing\t"
+            return "Mission rejected: starts with landing"
         if item.command == Command.TAKEOFF:
             if altitude_of(item, 0.0) - (0.0 if item.frame == RELATIVE else home_altitude) < 1e-6:
-                return "Mission rejected: Takeoff altitude below home altitude!\t"
+                return "Mission rejected: Takeoff altitude below home altitude!"
             if found_place:
-                return "Mission rejected: takeoff not first waypoint item\t"
+                return "Mission rejected: takeoff not first waypoint item"
         if item.command in VTOL:
-            return "Mission rejected: Mission contains VTOL items but vehicle is not a VTOL\t"
+            return "Mission rejected: Mission contains VTOL items but vehicle is not a VTOL"
         found_place |= item.has_place
     for number, item in enumerate(items, 1):
         if item.has_place and not may_be_at(item.x, item.y, altitude_of(item, home_altitude)):

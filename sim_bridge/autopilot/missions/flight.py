@@ -17,6 +17,7 @@ from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.sensors import Estimate
 
 NO_MISSION, NOT_STARTED, ACTIVE, PAUSED, COMPLETE = 1, 2, 3, 4, 5  # MISSION_STATE
+EXECUTING = "Executing Mission\t"
 _STAYS = {Command.LOITER_UNLIMITED}
 _WAITS = {Command.WAYPOINT, Command.LOITER_TIME}
 """Commands whose first parameter is a time (s) to spend there."""
@@ -104,7 +105,7 @@ class MissionFlight:
         self._edition, self._told_current = self._store.editions[Kind.MISSION], self._store.told_current
         self.finished = False
         self._place = None
-        self.notes.append("Executing Mission\t")
+        self.notes.append(EXECUTING)
         self._resolve()
         self._set(now, climb=True)
 
@@ -113,7 +114,7 @@ class MissionFlight:
         store = self._store
         if (self._edition, self._told_current) != (store.editions[Kind.MISSION], store.told_current):
             self.begin(now)
-            self.notes.pop()  # it has been executed before
+            self.notes.remove(EXECUTING)  # that has been said before
         for _ in range(len(self._items) + _JUMPS_IN_A_ROW):
             item = self.item
             if item is None or self.finished or not self._is_done(item, now, t, landed):
@@ -170,6 +171,8 @@ class MissionFlight:
             below = now.p_n[2] - place[2]
             if (climb or item.command == Command.TAKEOFF) and below > self._parameters["NAV_MC_ALT_RAD"]:
                 self._climbs_to = place[2]
+                height = altitude_of(item, self.home_altitude) - self.home_altitude
+                self.notes.append(f"Climb to {height:.1f} meters above home\t")
                 self._place = (now.p_n[0], now.p_n[1], place[2])
             else:
                 self._climbs_to = None

@@ -1,0 +1,77 @@
+"""Flying round a point at a distance, for ever: DO_ORBIT."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.frames import Vec3
+from sim_bridge.control.reference import Pace, Reference, along
+from sim_bridge.sensors import Estimate
+
+RADIUS_MIN = 1.0
+APPROACH = 0.5
+"""1/s: how quickly a distance that is not the wanted one is made up for."""
+APPROACH_MOST = 5.0
+UNCHANGED = 4
+TO_THE_CENTRE, AS_BEGUN, ANYHOW, ALONG = 0, 1, 2, 3
+
+
+class Orbit(NamedTuple):
+    """Round ``centre`` (m, NED; its height is flown) at ``radius`` (m), with ``speed`` (m/s), clockwise if positive.
+
+    ``nose``: where it points, an ORBIT_YAW_BEHAVIOUR.
+    """
+
+    centre: Vec3
+    radius: float
+    speed: float
+    nose: int = TO_THE_CENTRE
+
+    def moved(self, reference: Reference, pace: Pace, step: float) -> Reference:
+        """The reference one ``step`` (s) further round."""
+        north, east, down = reference.p_n
+        n, e = north - self.centre[0], east - self.centre[1]
+        distance = math.hypot(n, e)
+        out = (n / distance, e / distance) if distance > 0.01 else (1.0, 0.0)
+        inward = max(-APPROACH_MOST, min(APPROACH_MOST, APPROACH * (self.radius - distance)))
+        round_ = self.speed * max(0.0, 1.0 - abs(inward) / APPROACH_MOST)
+        # what it takes to stay on the circle is led, or the limited acceleration would carry it outwards
+        lead = round_ / max(RADIUS_MIN, distance) * 2.0 * pace.acceleration / max(0.1, pace.jerk) * 0.5
+        c, s = math.cos(lead), math.sin(lead)
+        tangent = (-out[1], out[0])
+        tangent = (c * tangent[0] - s * tangent[1], s * tangent[0] + c * tangent[1])
+        climb = max(-pace.climb, min(pace.sink, self.centre[2] - down))
+        velocity = (inward * out[0] + round_ * tangent[0], inward * out[1] + round_ * tangent[1], climb)
+        return along(reference, velocity, pace, step)
+
+    def heading(self, now: Estimate, held: float) -> float:
+        """Where the nose is to point (rad). ``held``: where it points."""
+        north, east = self.centre[0] - now.p_n[0], self.centre[1] - now.p_n[1]
+        if self.nose == TO_THE_CENTRE and math.hypot(north, east) > 0.1:
+            return math.atan2(east, north)
+        if self.nose == ALONG:
+            return math.atan2(now.v_n[1], now.v_n[0])
+        return held
+
+
+def ordered(
+    before: Orbit | None, parameters: tuple[float, float, float], centre: Vec3 | None, now: Estimate, most: float
+) -> Orbit | None:  # fmt: skip
+    """The orbit a command asks for: radius (negative: counter-clockwise), speed, nose; NaN: as before, or PX4's own.
+
+    ``centre``: None where not given. ``most``: the largest radius. None: the radius is out of bounds.
+    """
+    radius, speed, nose = parameters
+    clockwise = radius > 0.0 if math.isfinite(radius) else before is None or before.speed > 0.0
+    size = abs(radius) if math.isfinite(radius) else RADIUS_MIN if before is None else before.radius
+    fast = speed if math.isfinite(speed) else 1.0 if before is None else abs(before.speed)
+    if not RADIUS_MIN <= size <= most:
+        return None
+    behaviour = TO_THE_CENTRE if before is None else before.nose
+    if math.isfinite(nose) and round(nose) != UNCHANGED:
+        behaviour = round(nose)
+    where = centre or (now.p_n if before is None else before.centre)
+    bound = math.sqrt(2.0 * size)  # the centripetal acceleration PX4 allows itself: 2 m/s^2
+    fast = max(-bound, min(bound, fast))
+    return Orbit(where, size, fast if clockwise else -fast, behaviour)
