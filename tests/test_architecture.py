@@ -21,7 +21,7 @@ MAY_IMPORT: dict[str, str] = {
     "profiles": "frames calculus paths",
     "law": "frames calculus vehicle paths profiles",
     "mission": "frames fence calculus vehicle paths profiles law",
-    "places": "frames fence geodesy vehicle paths mission",
+    "places": "frames fence geodesy plans vehicle paths profiles mission",
     "allocation": "vehicle",
     "estimation": "frames calculus vehicle",
     "steering": "frames vehicle law allocation estimation",

@@ -3,6 +3,7 @@
 simulate   a mission against the plant: in lockstep, or as two processes over UDP
 flying     a mission on a vehicle
 bare       the law without a vehicle, state by state
+export     a mission as a plan or a table
 finish     what every flight ends with: summary, folder, report, exit code
 """
 

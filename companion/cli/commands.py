@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from companion.cli import file_commands
 from companion.cli.output import Ends, LawOutput, Output, WhoStarts
 from companion.vehicle import CompanionError
 
@@ -236,6 +237,9 @@ def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flig
         print(f"differs at {replayed.difference}")
         raise typer.Exit(1)
     print(f"{replayed.ticks} ticks, {replayed.setpoints} setpoints: the same, bit for bit")
+
+
+file_commands.register(app)
 
 
 def main() -> None:

@@ -54,6 +54,10 @@ class Faults:
             self._faults.append(Fault("--connect", 0, "", str(error)))
         return None
 
+    def add(self, fault: Fault) -> None:
+        """One more."""
+        self._faults.append(fault)
+
     def raise_any(self) -> None:
         """ConfigError, if anything was wrong."""
         if self._faults:
