@@ -9,7 +9,7 @@ from companion.flight.conduct import Conduct
 from companion.frames import Vec3
 from companion.law.feedback import Bounds
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
-from companion.law.gains import Level, default_gains
+from companion.law.gains import Gains, Level, default_gains
 from companion.law.hold import HoldLaw, hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
@@ -17,6 +17,7 @@ from companion.paths.implicit import ImplicitPath
 from companion.profiles import SpeedProfile, YawProfile
 from companion.steering.encoding import AsRates, as_attitude
 from companion.steering.motors import motor_steering
+from companion.steering.pace import Course, course_of
 from companion.steering.rates import rate_steering
 from companion.steering.steering import Steering
 from companion.vehicle import OutputLevel, Tuning, Vehicle
@@ -93,6 +94,7 @@ def prepared(
         law = curve_law(
             placed.path, placed.speed, placed.yaw, law_level(level), model_of(vehicle), gains, bounds, direction
         )
+    course = None if bounds is None else course_of(table, placed.alpha, placed.closed, direction)
     hold = hold_law(law_level(level), model_of(vehicle), usual, bounds)
     # a smooth step of the speed is steepest in its middle, by 1.875
     ramp_time = 0.0 if vehicle.limits is None else 1.875 * max(map(abs, speeds)) / RAMP_ACCELERATION
@@ -100,7 +102,7 @@ def prepared(
         mission=placed,
         vehicle=vehicle,
         level=level,
-        steering=_steering(law, hold, vehicle, level, tuning, gains.h4[0]),
+        steering=_steering(law, hold, vehicle, level, tuning, gains, course),
         table=table,
         direction=direction,
         ramp_time=ramp_time,
@@ -112,11 +114,17 @@ def prepared(
 
 
 def _steering(
-    law: Law, hold: HoldLaw, vehicle: Vehicle, level: OutputLevel, tuning: Tuning, yaw_gain: float
+    law: Law,
+    hold: HoldLaw,
+    vehicle: Vehicle,
+    level: OutputLevel,
+    tuning: Tuning,
+    gains: Gains,
+    course: Course | None,
 ) -> Steering:
     if level is OutputLevel.MOTORS:
         return motor_steering(law, hold, vehicle)
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
     prior = Prior(drag=(vehicle.drag, DRAG_DOUBT))
-    return rate_steering(law, hold, vehicle, encoding, hover, prior, yaw_gain)
+    return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course)

@@ -24,7 +24,7 @@ MAY_IMPORT: dict[str, str] = {
     "places": "frames fence geodesy plans vehicle paths profiles mission",
     "allocation": "vehicle",
     "estimation": "frames calculus vehicle",
-    "steering": "frames vehicle law allocation estimation",
+    "steering": "frames vehicle paths law allocation estimation",
     # steering: the range in which the thrust is kept is one of the limits
     "feasibility": "frames fence calculus vehicle paths profiles law allocation mission steering",
     "flight": "vehicle fence",

@@ -128,6 +128,7 @@ def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: tuple
         new[4 * i + 1] = x[4 * i + 1] + dt * a[i]
         new[4 * i + 3] = x[4 * i + 3] * (1.0 - dt / 2.0)
     q = [n for d in kalman.NOISE_D for n in (kalman.NOISE_P, kalman.NOISE_V, d, kalman.NOISE_BETA)]
+    q[0:12:4] = [kalman.NOISE_P + kalman.ROUGH * (noise[0] - kalman.SMOOTH_X)] * 3
     Q = np.diag([*q, kalman.NOISE_KAPPA * learn, kalman.NOISE_DRAG * learn]) * dt
     P = T @ P @ T.T + Q
     H = np.zeros((6, SIZE))

@@ -28,8 +28,11 @@ AT = {pair: index for index, pair in enumerate(UPPER)}
 
 BETA_TIME = 2.0
 """s, after which a difference between velocity and moving position has lost its worth."""
-NOISE_P, NOISE_V, NOISE_BETA, NOISE_KAPPA, NOISE_DRAG = 1e-6, 1e-3, 5e-3, 1e-5, 1e-4
-NOISE_D: Vec3 = (0.1, 0.1, 0.01)
+NOISE_P, NOISE_V, NOISE_BETA, NOISE_KAPPA, NOISE_DRAG = 1e-6, 1e-3, 3e-3, 1e-5, 1e-4
+SMOOTH_X, ROUGH = 1e-3**2, 24.0
+"""m^2 and 1/s. A position that is noisier than PX4's own smooth estimate also jolts: its wander is taken for motion of
+the position itself, ``ROUGH`` times the excess of its variance a second, and not for velocity."""
+NOISE_D: Vec3 = (0.3, 0.3, 0.03)
 """Variance per second. The vertical disturbance is kept slow, because in a hover it is not told from kappa."""
 PRIOR_P, PRIOR_V, PRIOR_BETA = 1e-2, 1e-1, 0.07
 PRIOR_D: Vec3 = (0.7, 0.7, 0.22)
@@ -152,7 +155,7 @@ def _recorded() -> Function:
         rows[b] = [(b, 1.0 - dt * (1.0 / BETA_TIME))]
     x, P = expected, _propagated(P, rows)
     for axis in range(AXES):
-        noises = (NOISE_P, NOISE_V, NOISE_D[axis], NOISE_BETA)
+        noises = (NOISE_P + (noise_x - SMOOTH_X) * ROUGH, NOISE_V, NOISE_D[axis], NOISE_BETA)
         for i, noise in enumerate(noises, PER_AXIS * axis):
             P[i][i] = P[i][i] + noise * dt
     P[KAPPA][KAPPA] = P[KAPPA][KAPPA] + (NOISE_KAPPA * dt) * learn

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.estimation.kalman import DRAG, KAPPA, Belief, Surprise, first_belief, seated, stepped
+from companion.estimation.kalman import DRAG, KAPPA, SMOOTH_X, Belief, Surprise, first_belief, seated, stepped
 from companion.frames import Matrix3, Vec3
 
 FREEZE_FOR = 0.4
@@ -26,7 +26,7 @@ FIRST_FOR, SLOW_TIME, FIRST_SLOW_TIME = 4.0, 5.0, 0.5
 KAPPA_DOUBT, DRAG_DOUBT = 0.2, 0.7
 NOISE_TIME = 2.0
 """s over which the misses are averaged."""
-NOISE_MIN, NOISE_MAX = (1e-3**2, 4e-3**2), (0.05**2, 0.2**2)
+NOISE_MIN, NOISE_MAX = (SMOOTH_X, 4e-3**2), (0.05**2, 0.2**2)
 """Variances of position (m^2) and velocity (m^2/s^2): PX4's own smooth estimate, and the worst that is still flown."""
 JUMP_P, JUMP_V, JUMP_SIGMAS = 0.25, 0.5, 10.0
 CALM = 1.0

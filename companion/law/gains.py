@@ -56,7 +56,7 @@ def poles_of(gains: Sequence[float]) -> list[complex]:
     return [complex(root) for root in np.roots([1.0, *reversed(gains)])]
 
 
-PATH_POLES = {Level.MOTORS: (-5.0,) * 4, Level.RATES: (-4.0,) * 3}
+PATH_POLES = {Level.MOTORS: (-5.0,) * 4, Level.RATES: (-5.0,) * 3}
 SPEED_POLES = {Level.MOTORS: (-3.0,) * 3, Level.RATES: (-2.5,) * 2}
 YAW_POLES = {Level.MOTORS: (-2.0,) * 2, Level.RATES: (-2.0,)}
 """What is flown where a mission gives no gains: fast enough to stay linear, slow enough for the delays."""

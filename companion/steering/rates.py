@@ -22,6 +22,7 @@ from companion.frames import Quaternion, Vec3, rotation_matrix, turned, upright_
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
+from companion.steering.pace import SHARE, Course, Means, Pace, paced, slowed
 from companion.steering.steering import Aim, Along, Estimates, Steered
 from companion.steering.thrust import ThrustRange, thrust_range
 from companion.vehicle import Setpoint, Vehicle, VehicleState
@@ -34,10 +35,15 @@ YAW_LEAD = 0.36
 """s, how much earlier than it is wanted a yaw rate is asked for; the yaw loop's lag for what turns at 1 to 3 rad/s."""
 YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.25, 0.3, 0.3
 """A quarter puts both poles of the heading at half the yaw gain; rad/s; rad of error within which it is summed."""
+YAW_SHARE, YAW_ROOM_MIN = 0.2, 0.05
+"""Of the motors' range that 1 rad/s of yaw rate error takes (MC_YAWRATE_P); rad/s that are always left to yaw."""
 SLOPE_OVER = 0.05
 """s over which the slope of the yaw rate is taken."""
 STRAINED = 0.9
 """Normalised thrust above which single motors meet their limits and nothing is learned."""
+LEAN_MARGIN, LEAN_MOST = math.radians(5.0), math.radians(80.0)
+"""rad: the steady lean of a path may be so much over the vehicle's limit, and stays so much under its failure detector.
+"""
 GAP_MAX = 0.5
 """s without a state after which what was flown meanwhile is not known."""
 LEVEL_GAIN, LEVEL_RATE_MAX = 3.0, 2.0
@@ -55,6 +61,7 @@ class RateMemory(NamedTuple):
     zeta: float
     limited: bool = False
     yaw_sum: float = 0.0
+    pace: Pace = Pace()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +78,8 @@ class RateSteering:
     prior: Prior
     encoding: Encoding
     yaw_gain: float
+    course: Course | None = None
+    lean: float = math.inf
 
     def begin(self, state: VehicleState) -> RateMemory:
         """Hovering, as far as anybody knows."""
@@ -86,6 +95,14 @@ class RateSteering:
         elif gap > 0.0:
             memory = self._seen(memory, state, gap)
         vehicle, belief = self.vehicle, memory.observed.belief
+        most_lift = THRUST_MAX * belief.kappa * vehicle.gravity / self.hover_thrust
+        pace = Pace()
+        if isinstance(aim, Along) and self.course is not None:
+            means = Means(
+                most_lift * (SHARE / THRUST_MAX), self.lean, belief.drag, belief.disturbance_n, vehicle.gravity
+            )
+            pace = paced(memory.pace, self.course, aim.s, aim.ramp, means, dt)
+            aim = Along(aim.s, slowed(aim.ramp, pace))
         acts_after = vehicle.link_delay if link_delay is None else link_delay
         half = 0.5 * dt  # a command is held until the next one
         lag = self.response.lag
@@ -102,11 +119,15 @@ class RateSteering:
         )
         command = self._asked(flying, aim)
         per_lift = vehicle.mass * belief.kappa
-        highest = min(self.range.high, THRUST_MAX * per_lift * vehicle.gravity / self.hover_thrust)
+        highest = min(self.range.high, most_lift * vehicle.mass)
         later, slope, bound = self.range.integrated(zeta, command.zeta_derivative, dt, highest)
         p, q, r = command.turn
         yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
         r += (YAW_LEAD - lag) * self._yaw_slope(flying, command, aim) - memory.inner.yaw_trim - yaw_sum
+        # yaw is turned by torque that the thrust may need: near the top it waits
+        room = max(YAW_ROOM_MIN, (THRUST_MAX - zeta / (vehicle.mass * most_lift) * THRUST_MAX) / YAW_SHARE)
+        turning = there.w_b[2] - memory.inner.yaw_trim
+        r = min(max(r, turning - room), turning + room)
         rates, clipped = self._clipped((p, q, r))
         # thrust answers sooner than the rates do
         lift = (zeta + slope * (half - (lag - self.response.motor_lag))) / per_lift
@@ -116,9 +137,12 @@ class RateSteering:
         q_nb = self._ahead(memory, acts_after + half).q_nb if self.encoding.needs_attitude else state.q_nb
         sent = (*memory.sent, Sent(state.t_boot + acts_after, rates, lift))
         limited = bound or clipped or thrust != wanted
+        after = memory._replace(
+            sent=sent, zeta=later, yaw_sum=yaw_sum, pace=pace, limited=limited or thrust > STRAINED
+        )  # fmt: skip
         return Steered(
             setpoint=self.encoding.setpoint(rates, thrust, q_nb),
-            memory=memory._replace(sent=sent, zeta=later, yaw_sum=yaw_sum, limited=limited or thrust > STRAINED),
+            memory=after,
             command=command,
             zeta=later,
             zeta_dot=slope,
@@ -126,6 +150,7 @@ class RateSteering:
             saturated=limited,
             thrust_share=thrust,
             converged=memory.observed.converged,
+            pace=pace.factor,
             estimates=Estimates(
                 belief.kappa, belief.drag, belief.disturbance_n, belief.bias_n, acts_after, self.response.lag
             ),
@@ -234,8 +259,21 @@ class RateSteering:
 
 
 def rate_steering(
-    law: Law, hold: HoldLaw, vehicle: Vehicle, encoding: Encoding, hover_thrust: float, prior: Prior, yaw_gain: float
+    law: Law,
+    hold: HoldLaw,
+    vehicle: Vehicle,
+    encoding: Encoding,
+    hover_thrust: float,
+    prior: Prior,
+    yaw_gain: float,
+    course: Course | None = None,
 ) -> RateSteering:
-    """Steering for ``vehicle``."""
+    """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields."""
     response = Response(vehicle.rate_loop_lag, vehicle.motor_lag)
-    return RateSteering(law, hold, vehicle, thrust_range(vehicle), response, hover_thrust, prior, encoding, yaw_gain)
+    limits = vehicle.limits
+    lean = math.inf
+    if limits is not None:
+        lean = math.tan(min(limits.tilt + LEAN_MARGIN, limits.failure_detector - LEAN_MARGIN, LEAN_MOST))
+    return RateSteering(
+        law, hold, vehicle, thrust_range(vehicle), response, hover_thrust, prior, encoding, yaw_gain, course, lean
+    )

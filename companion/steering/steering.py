@@ -52,7 +52,8 @@ class Steered(NamedTuple):
     ``setpoint``: clamped and finite. ``memory``: for the next step. ``command``: what the law asked for. ``zeta``: N,
     ``zeta_dot``: N/s, the dynamic extension (Eq. 4). ``thrust_n``: N, the collective thrust that was sent.
     ``saturated``: whether a limit was met. ``thrust_share``: of the largest thrust. ``converged``: whether the scale of
-    the thrust is known well enough to follow a path. ``estimates``: None where the level has none.
+    the thrust is known well enough to follow a path. ``pace``: the share of the mission's speed that was asked for,
+    less than 1 where the vehicle could not fly the path at it. ``estimates``: None where the level has none.
     """
 
     setpoint: Setpoint
@@ -64,6 +65,7 @@ class Steered(NamedTuple):
     saturated: bool
     thrust_share: float = 0.0
     converged: bool = True
+    pace: float = 1.0
     estimates: Estimates | None = None
 
 

@@ -1,0 +1,99 @@
+"""The speed gives way where the vehicle could not fly the path, in time, and comes back."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from companion.config.mission import load_mission
+from companion.law.flight import Ramp
+from companion.law.gains import Level
+from companion.steering.pace import BRAKING, SLOWEST, Course, Means, Pace, Place, course_of, paced, slowed
+
+G = 9.80665
+CALM = Means(lift=15.0, lean=math.tan(1.2), drag=0.0, disturbance_n=(0.0, 0.0, 0.0), gravity=G)
+
+
+def bend(speed: float = 6.0, closed: bool = False, direction: float = 1.0) -> Course:
+    """40 m of straight path with a bend of 3 m radius between 20 and 22 m."""
+    places = [
+        Place((1.0, 0.0, 0.0), (0.0, 1.0 / 3.0, 0.0) if 20.0 <= 0.5 * i <= 22.0 else (0.0, 0.0, 0.0), speed)
+        for i in range(81)
+    ]
+    return Course(tuple(places), 0.5, closed, direction)
+
+
+FULL = Ramp()
+
+
+def fly(course: Course, s: float, seconds: float, means: Means = CALM, ramp: Ramp = FULL) -> list[tuple[float, float]]:
+    """(arc length, speed) of a vehicle that flies exactly the pace."""
+    pace, flown, dt = Pace(), [], 0.01
+    for _ in range(round(seconds / dt)):
+        pace = paced(pace, course, s, ramp, means, dt)
+        speed = course.speed(s) * ramp.factor * pace.factor
+        s += course.direction * speed * dt
+        flown.append((s, speed))
+    return flown
+
+
+def test_nothing_in_the_way_nothing_changes() -> None:
+    assert bend().allowed(0.0, 1.0, CALM._replace(lift=50.0, lean=50.0)) == math.inf
+    assert paced(Pace(), bend(), 5.0, Ramp(), CALM._replace(lift=50.0, lean=50.0), 0.01) == Pace()
+    assert slowed(Ramp(0.7, 0.1, 0.2), Pace()) == Ramp(0.7, 0.1, 0.2)
+
+
+def test_a_bend_is_met_at_the_speed_it_can_be_flown_at() -> None:
+    fastest = math.sqrt(3.0 * math.sqrt(15.0**2 - G * G))
+    flown = fly(bend(), 0.0, 12.0)
+    inside = [speed for s, speed in flown if 20.0 <= s <= 22.0]
+    assert max(inside) <= fastest * 1.03
+    assert min(inside) > 0.8 * fastest
+    assert max(speed for s, speed in flown if s < 10.0) == pytest.approx(6.0)
+    assert flown[-1][1] == pytest.approx(6.0)  # and it comes back
+    changes = [abs(b - a) / 0.01 for (_, a), (_, b) in pairwise(flown)]
+    assert max(changes) <= BRAKING * 1.05
+
+
+def test_against_the_path_it_looks_the_other_way() -> None:
+    flown = fly(bend(direction=-1.0), 40.0, 12.0)
+    fastest = math.sqrt(3.0 * math.sqrt(15.0**2 - G * G))
+    assert max(speed for s, speed in flown if 20.0 <= s <= 22.0) <= fastest * 1.03
+    assert flown[-1][0] < 5.0
+
+
+def test_a_steep_lean_slows_as_a_weak_thrust_does() -> None:
+    leaning = CALM._replace(lift=50.0, lean=math.tan(math.radians(30.0)))
+    inside = [speed for s, speed in fly(bend(), 0.0, 12.0, leaning) if 20.0 <= s <= 22.0]
+    assert max(inside) <= 1.03 * math.sqrt(3.0 * G * math.tan(math.radians(30.0)))
+
+
+def test_wind_counts() -> None:
+    against = CALM._replace(disturbance_n=(0.0, -6.0, 0.0))  # pushed out of the bend, which turns east
+    assert bend().allowed(20.5, 1.0, against) < bend().allowed(20.5, 1.0, CALM)
+
+
+def test_what_cannot_be_flown_at_all_is_flown_slowly() -> None:
+    hopeless = CALM._replace(lift=5.0)
+    flown = fly(bend(), 0.0, 10.0, hopeless)
+    assert flown[-1][1] == pytest.approx(SLOWEST * 6.0, rel=0.1)
+
+
+def test_a_slowed_ramp_is_the_product_with_its_derivatives() -> None:
+    ramp, pace = Ramp(0.8, 0.3, -0.4), Pace(0.9, -0.2)
+    h = 1e-6
+    later = (ramp.factor + ramp.rate * h) * (pace.factor + pace.rate * h)
+    made = slowed(ramp, pace)
+    assert made.factor == pytest.approx(0.72)
+    assert (later - made.factor) / h == pytest.approx(made.rate, abs=1e-5)
+
+
+def test_the_course_is_the_missions() -> None:
+    mission = load_mission("circle_r5", Level.RATES)
+    course = course_of(mission.table, mission.alpha, True, 1.0)
+    assert len(course.places) * course.spacing == pytest.approx(mission.table.length)
+    for place in course.places:
+        assert math.hypot(*place.curvature) == pytest.approx(0.2, abs=1e-3)
+        assert place.speed == pytest.approx(3.0)
