@@ -97,7 +97,7 @@ def flown(level: Level, p_n: Vec3, v_n: Vec3, seconds: float = 25.0, h: float = 
 def test_a_far_point_is_approached_at_a_bounded_speed(level: Level) -> None:
     done = flown(level, (18.0, -9.0, -4.0), (0.0, 0.0, 0.0))
     assert math.dist(done.end.p_n, PLACE) < 0.02
-    assert done.speed_max < 2.3
+    assert done.speed_max < 2.8
     assert done.tilt_max < math.radians(35.0)
 
 
