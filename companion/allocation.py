@@ -60,20 +60,25 @@ class Allocation:
         return tuple(tuple(float(v) for v in row) for row in np.linalg.inv(M))  # type: ignore[return-value]
 
     @cached_property
-    def _to_command(self) -> Four:
-        """command per motor torque."""
-        a, b, c, d = (1.0 / (rotor.torque_per_thrust * rotor.thrust_max) for rotor in self.vehicle.rotors)
-        return (a, b, c, d)
+    def _to_commands(self) -> Matrix4:
+        """M^-1 with a command in the place of each motor torque."""
+        scaled = (
+            tuple(entry / (rotor.torque_per_thrust * rotor.thrust_max) for entry in row)
+            for rotor, row in zip(self.vehicle.rotors, self.inverse, strict=True)
+        )
+        return tuple(scaled)  # type: ignore[return-value]
+
+    @cached_property
+    def _ranges(self) -> tuple[tuple[float, float], ...]:
+        return tuple(rotor.command for rotor in self.vehicle.rotors)
 
     def motor_torques(self, u: Four) -> Four:
         """tau = M^-1 u, N m, without limits."""
-        a, b, c, d = (row[0] * u[0] + row[1] * u[1] + row[2] * u[2] + row[3] * u[3] for row in self.inverse)
-        return (a, b, c, d)
+        return _times(self.inverse, u)
 
     def commands(self, u: Four) -> Four:
         """The commands that make thrust and torques ``u`` (N, N m), without limits."""
-        a, b, c, d = (tau * k for tau, k in zip(self.motor_torques(u), self._to_command, strict=True))
-        return (a, b, c, d)
+        return _times(self._to_commands, u)
 
     def wrench(self, commands: Four) -> Four:
         """(thrust N, torques N m) of rotor commands."""
@@ -116,10 +121,9 @@ class Allocation:
         return Allocated(commands, (a, b, c, d), True)
 
     def _within(self, commands: Four) -> bool:
-        return all(
-            rotor.command[0] <= command <= rotor.command[1]
-            for rotor, command in zip(self.vehicle.rotors, commands, strict=True)
-        )
+        a, b, c, d = commands
+        (a0, a1), (b0, b1), (c0, c1), (d0, d1) = self._ranges
+        return a0 <= a <= a1 and b0 <= b <= b1 and c0 <= c <= c1 and d0 <= d <= d1
 
     def _clamped(self, commands: Four) -> Four:
         a, b, c, d = (
@@ -145,6 +149,17 @@ class Allocation:
             elif add < 0.0:
                 share = min(share, (rotor.command[0] - offset) / add)
         return max(share, 0.0)
+
+
+def _times(matrix: Matrix4, u: Four) -> Four:
+    (a1, a2, a3, a4), (b1, b2, b3, b4), (c1, c2, c3, c4), (d1, d2, d3, d4) = matrix
+    x, y, z, w = u
+    return (
+        a1 * x + a2 * y + a3 * z + a4 * w,
+        b1 * x + b2 * y + b3 * z + b4 * w,
+        c1 * x + c2 * y + c3 * z + c4 * w,
+        d1 * x + d2 * y + d3 * z + d4 * w,
+    )
 
 
 def _scaled(values: Four, factor: float) -> Four:

@@ -21,7 +21,8 @@ from companion.vehicle import CompanionError
 RECEIVE_BUFFER = 1 << 20
 """bytes. The default holds 256 small datagrams: a quarter of a second of a busy link."""
 DATAGRAM_MAX = 65535
-BATCH_MAX = 256
+BATCH_MAX = 4096
+"""Datagrams that are drained before the newest state is acted on: more than the buffer holds after any stall."""
 
 
 class AddressError(CompanionError):
@@ -55,6 +56,7 @@ class UdpPort:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._peer: tuple[str, int] | None = None if listen else (host, port)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        self._socket.setblocking(False)
         try:
             self._socket.bind((host, port) if listen else ("127.0.0.1" if host.startswith("127.") else "0.0.0.0", 0))
         except OSError as error:
@@ -64,15 +66,17 @@ class UdpPort:
 
     def receive(self, timeout: float) -> list[bytes]:
         """See Port."""
-        self._socket.settimeout(max(timeout, 1e-6))
         batch: list[bytes] = []
+        receive = self._socket.recvfrom
         try:
+            # select waits to the microsecond, a socket's own time-out to the next millisecond
+            if timeout > 0.0 and not select.select([self._socket], (), (), timeout)[0]:
+                return batch
             while len(batch) < BATCH_MAX:
-                data, address = self._socket.recvfrom(DATAGRAM_MAX)
+                data, address = receive(DATAGRAM_MAX)
                 if self._peer is None:
                     self._peer = address
                 batch.append(data)
-                self._socket.settimeout(0.0)
         except OSError:  # nothing more, or what an unreachable peer leaves behind
             pass
         return batch

@@ -72,12 +72,13 @@ class Orders:
 
 
 class Tick(NamedTuple):
-    """What the last tick saw and did, kept until the setpoint is on its way."""
+    """What the last tick saw and did, kept until the setpoint is on its way; and what it remembered ``before``."""
 
     seen: Observation
     memory: Memory
     outcome: Outcome
     now: float
+    before: Memory
 
 
 class Conductor:
@@ -104,9 +105,10 @@ class Conductor:
         )
         self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()
+        self._frames: list[bytes] = []  # what came and went since the last ``sent``, for the record
         self.decoder = Decoder(wanted=wire.WANTED | telemetry.WANTED | PARAMETERS_WANTED)
         if recorder is not None:
-            self.decoder.tap = self._record
+            self.decoder.tap = self._frames.append
         self.plan: Plan | None = None
         self.memory: Memory | None = None
         self.notes: list[str] = []
@@ -195,21 +197,19 @@ class Conductor:
     def datagrams(self) -> list[bytes]:
         """What is to be sent now, the setpoint first."""
         outgoing, self.link.outgoing = self.link.outgoing, []
-        if self._recorder is not None:
-            for datagram in outgoing:
-                self._recorder.frame(self._now, datagram)
+        self._frames += outgoing
         return outgoing
 
     def sent(self, latency: float = math.nan) -> None:
         """The datagrams are on their way, ``latency`` s after what caused them arrived. The rest of the tick's work."""
+        if self._recorder is not None:
+            for frame in self._frames:
+                self._recorder.frame(self._now, frame)
+        self._frames.clear()
         if self._pending is not None:
             tick, self._pending = self._pending, None
             if self._recorder is not None:
                 self._recorder.tick(tick.seen, tick.memory, tick.outcome, tick.now, latency)
-
-    def _record(self, raw: bytes) -> None:
-        if self._recorder is not None:
-            self._recorder.frame(self._now, raw)
 
     def _tick(self, state: VehicleState | None, answer: Answer | None, now: float, behind: int = 0) -> None:
         if self._over:
@@ -230,7 +230,8 @@ class Conductor:
             behind,
             self.link.companions(now),
         )
-        self.memory, outcome = pilot.step(self.plan, self.memory, seen, now)
+        before = self.memory
+        self.memory, outcome = pilot.step(self.plan, before, seen, now)
         if outcome.setpoint is not None and self.link.identity is not None:
             stamp = self.memory.state.t_boot if self.memory.state is not None else 0.0
             target = (self.link.identity.system, wire.AUTOPILOT_COMPONENT)
@@ -238,7 +239,7 @@ class Conductor:
         self.link.want(None if outcome.request is None else COMMANDS[outcome.request], now)
         self._wake_at = pilot.wake_at(self.memory, now)
         self.notes += outcome.notes
-        self.last = self._pending = Tick(seen, self.memory, outcome, now)
+        self.last = self._pending = Tick(seen, self.memory, outcome, now, before)
         if self._over:
             self._restore(now)
 

@@ -6,6 +6,7 @@ What does not feed the setpoint (files, the screen) is done by a second thread t
 from __future__ import annotations
 
 import gc
+import math
 import sys
 import threading
 import time
@@ -14,6 +15,9 @@ from collections.abc import Callable
 from companion.daemon.address import Port
 from companion.daemon.conductor import Conductor
 from companion.daemon.progress import Watch
+from companion.daemon.realtime import HELPER_PRIORITY, at_priority, punctual
+from companion.daemon.rehearsal import Rehearsal, urgent
+from companion.daemon.rhythm import Rhythm
 from companion.daemon.signals import ending_signals
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
@@ -22,6 +26,8 @@ SWITCH_INTERVAL = 5e-5
 """s that another Python thread may keep the control thread waiting; Python's default of 5 ms is a whole period."""
 SCRIBE_PERIOD = 0.25
 PROGRESS_PERIOD = 1.0
+IDLE_MAX = 0.1
+"""s of waiting at most, to see signals and time-outs."""
 
 
 class NoVehicleError(CompanionError):
@@ -42,15 +48,17 @@ def run(
     """
     interval = sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_INTERVAL)
-    gc.collect()
-    gc.freeze()  # a full collection of what is imported takes three periods of 250 Hz
+    _freeze()
+    gc.disable()
     scribe = _Scribe(conductor, recorder, say)
     scribe.start()
     try:
-        with ending_signals(conductor.stop) as stopped:
+        with punctual() as priority, ending_signals(conductor.stop) as stopped:
+            say(priority)
             _fly(conductor, port, wait_for_vehicle)
     finally:
         scribe.finish()
+        gc.enable()
         gc.unfreeze()
         sys.setswitchinterval(interval)
     return bool(stopped)
@@ -58,20 +66,30 @@ def run(
 
 def _fly(conductor: Conductor, port: Port, wait_for_vehicle: float) -> None:
     begun = clock()
+    rhythm, rehearsal = Rhythm(), Rehearsal()
+    states = 0
+    frozen = False
     while not conductor.done:
-        batch = port.receive(min(conductor.next_timer() - clock(), 0.1))
+        batch = _next(conductor, port, rhythm, rehearsal)
         arrived = clock()
         if batch:
-            conductor.receive(batch, arrived)
-            for datagram in conductor.datagrams():
-                port.send(datagram)
-            conductor.sent(clock() - arrived)
+            first = len(batch) if port.stream else urgent(batch)
+            conductor.receive(batch[:first], arrived)
+            _send(conductor, port, arrived)
+            if conductor.states != states:
+                states = conductor.states
+                rhythm.arrived(arrived)
+                gc.collect(0)  # now, and not in the middle of a tick
+            if first < len(batch):
+                conductor.receive(batch[first:], arrived)
+                _send(conductor, port, arrived)
         now = clock()
         if now >= conductor.next_timer():
             conductor.on_timer(now)
-            for datagram in conductor.datagrams():
-                port.send(datagram)
-            conductor.sent()
+            _send(conductor, port)
+        if conductor.plan is not None and not frozen:
+            frozen = True
+            _freeze()
         if conductor.link.identity is None and now - begun > wait_for_vehicle:
             counters = conductor.decoder.counters
             raise NoVehicleError(
@@ -79,6 +97,41 @@ def _fly(conductor: Conductor, port: Port, wait_for_vehicle: float) -> None:
                 f"{counters.frames + counters.unknown} MAVLink messages and {counters.garbage_bytes} bytes of garbage, "
                 "but no autopilot's heartbeat; is it on, and does it send here?"
             )
+
+
+def _next(conductor: Conductor, port: Port, rhythm: Rhythm, rehearsal: Rehearsal) -> list[bytes]:
+    """What arrives next; nothing, where something else is due first."""
+    now = clock()
+    timer = min(conductor.next_timer(), now + IDLE_MAX)
+    early = rhythm.rehearse_at()
+    if now <= early < timer:
+        batch = port.receive(early - now)
+        if batch:
+            return batch
+        begun = clock()
+        if rehearsal.fly(conductor):
+            rhythm.rehearsed(begun, clock())
+            batch = port.receive(0.0)
+            if batch:
+                rhythm.was_late()
+                return batch
+    while clock() < rhythm.watch_until:
+        batch = port.receive(0.0)
+        if batch:
+            return batch
+    return port.receive(max(timer - clock(), 0.0))
+
+
+def _send(conductor: Conductor, port: Port, arrived: float = math.nan) -> None:
+    for datagram in conductor.datagrams():
+        port.send(datagram)
+    conductor.sent(clock() - arrived)
+
+
+def _freeze() -> None:
+    """What is here now is here to stay: looking at it again in a collection would take three periods of 250 Hz."""
+    gc.collect()
+    gc.freeze()
 
 
 class _Scribe(threading.Thread):
@@ -93,6 +146,7 @@ class _Scribe(threading.Thread):
         self._finished = threading.Event()
 
     def run(self) -> None:
+        at_priority(HELPER_PRIORITY)
         while not self._finished.wait(SCRIBE_PERIOD):
             self._write()
 

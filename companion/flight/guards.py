@@ -23,8 +23,8 @@ STREAM_FIRST = 0.1
 
 def decide(situation: Situation) -> tuple[Phase, Event, str] | None:
     """The phase that comes next, the event that brings it and its reason; None to stay."""
-    for event, following in EXITS[situation.phase]:
-        reason = GUARDS[event](situation)
+    for guard, event, following in _WATCHED[situation.phase]:
+        reason = guard(situation)
         if reason is not None:
             return following, event, reason
     return None
@@ -265,3 +265,8 @@ GUARDS: dict[Event, Callable[[Situation], str | None]] = {
     Event.REFUSED: _refused,
     Event.TIMED_OUT: _timed_out,
 }
+
+_WATCHED = {
+    phase: tuple((GUARDS[event], event, following) for event, following in exits) for phase, exits in EXITS.items()
+}
+"""What a phase looks at, the most urgent first."""

@@ -7,7 +7,7 @@ not swallow the good frame behind it. What cannot be decoded is counted, never r
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -55,15 +55,16 @@ class Decoder:
     wanted: Collection[int] | None = None
     tap: Callable[[bytes], None] | None = None
     counters: Counters = field(default_factory=Counters)
-    _sequence: dict[tuple[int, int], int] = field(default_factory=dict)
+    _sequence: dict[int, int] = field(default_factory=dict)
     _pending: bytes = b""
 
     def datagram(self, data: bytes) -> list[Frame]:
         """The frames in one datagram. What is left over does not touch the next datagram. Never raises."""
-        if len(data) >= 12 and data[0] == MAGIC_V2 and data[2] == 0 and data[1] + 12 == len(data):
+        size = len(data)
+        if size >= 12 and data[0] == MAGIC_V2 and data[2] == 0 and data[1] + 12 == size:
             fmt = FORMATS.get(data[7] | data[8] << 8 | data[9] << 16)  # the usual case: one whole frame and no more
-            if fmt is not None and _crc_fits(fmt, data, 0, len(data) - 2):
-                return [*self._accepted(fmt, data, data[4], data[5], data[6], data[10:-2])]
+            if fmt is not None and mcrf4xx(fmt.crc_extra_byte, mcrf4xx(data[1:-2])) == data[-2] | data[-1] << 8:
+                return self._accepted(fmt, data, data[4], data[5], data[6], data[10:-2])
         frames, used = self._scan(data)
         self.counters.garbage_bytes += len(data) - used
         return frames
@@ -83,7 +84,7 @@ class Decoder:
         done = 0  # everything before is decoded or counted as garbage
         unfinished = size  # where the first frame begins that runs past the end
         # a frame without a CRC to check (start, end, sequence, sender): believed when nothing good is inside it
-        unknown: tuple[int, int, int, tuple[int, int]] | None = None
+        unknown: tuple[int, int, int, int] | None = None
         at = -1
         while True:
             found = _START.search(data, at + 1)
@@ -122,7 +123,7 @@ class Decoder:
             if fmt is None:
                 fits = end == size or data[end] in (MAGIC_V1, MAGIC_V2)
                 if fits and unknown is None and unfinished == size:
-                    unknown = (at, end, sequence, (system, component))
+                    unknown = (at, end, sequence, system << 8 | component)
                 continue
             check = end - signature - 2
             if not _crc_fits(fmt, data, at, check):
@@ -139,19 +140,21 @@ class Decoder:
 
     def _accepted(
         self, fmt: Format, raw: bytes, sequence: int, system: int, component: int, payload: bytes
-    ) -> Iterable[Frame]:
+    ) -> list[Frame]:
         """Count a whole frame, and unpack it where it is wanted."""
         self.counters.frames += 1
-        self._follow((system, component), sequence)
+        self._follow(system << 8 | component, sequence)
         if self.tap is not None:
             self.tap(raw)
         if self.wanted is not None and fmt.id not in self.wanted:
-            return ()
-        # MAVLink 2 cuts trailing zeros off; a newer sender may know more fields than we do
-        values = fmt.unpack(payload.ljust(fmt.size, b"\0")[: fmt.size])
-        return (Frame(fmt, system, component, values, raw),)
+            return []
+        if (
+            len(payload) != fmt.size
+        ):  # MAVLink 2 cuts trailing zeros off; a newer sender may know more fields than we do
+            payload = payload.ljust(fmt.size, b"\0")[: fmt.size]
+        return [Frame(fmt, system, component, fmt.unpack(payload), raw)]
 
-    def _follow(self, sender: tuple[int, int], sequence: int) -> None:
+    def _follow(self, sender: int, sequence: int) -> None:
         """Count what is missing between a sender's last frame and this one."""
         last = self._sequence.get(sender)
         if last is not None:

@@ -18,8 +18,9 @@ from companion.frames import Vec3
 from companion.paths.placement import Placement
 
 NEWTON_STEPS = 8
-NEAREST_TOLERANCE = 1e-7
-"""m; the distance is then right to the square of it over the radius."""
+NEAREST_TOLERANCE = 1e-4
+"""m, the last step of a search. It leaves an error of its square over the radius: 1e-8 m of arc length, 1e-16 of
+distance."""
 
 
 class Knot(NamedTuple):
@@ -111,17 +112,22 @@ class ArcTable:
         from it: a curve that crosses itself is not left for its other branch."""
         px, py, pz = p
         moved = 0.0  # from s
+        missed = 0.0  # square of the distance by which the point is not yet the nearest
         for _ in range(NEWTON_STEPS):
             (x, y, z), (tx, ty, tz), (kx, ky, kz) = self.at(s + moved)
             ex, ey, ez = px - x, py - y, pz - z
             along = ex * tx + ey * ty + ez * tz
             # past the evolute the nearest point is not near any more; the floor keeps the step downhill
-            step = along / max(1.0 - (ex * kx + ey * ky + ez * kz), 0.25)
-            further = max(-reach, min(reach, moved + step))
-            if abs(further - moved) < NEAREST_TOLERANCE:
+            bend = 1.0 - (ex * kx + ey * ky + ez * kz)
+            step = along / (bend if bend > 0.25 else 0.25)
+            if not -reach <= moved + step <= reach:
+                step = math.copysign(reach, step) - moved
+            moved += step
+            if -NEAREST_TOLERANCE < step < NEAREST_TOLERANCE:
+                # right to the square of this step: the next would be nothing, and the distance there is known
+                missed = step * (2.0 * along - step * bend)
                 break
-            moved = further
-        return self.within(s + moved), math.sqrt(ex * ex + ey * ey + ez * ez)
+        return self.within(s + moved), math.sqrt(max(ex * ex + ey * ey + ez * ez - missed, 0.0))
 
     def locate(self, p: Vec3) -> tuple[float, float]:
         """(arc length, distance) of the nearest point of the whole curve."""

@@ -22,16 +22,17 @@ class TlogWriter:
     def __init__(self, path: Path, epoch: float) -> None:
         self._file: BinaryIO = path.open("wb")
         self._epoch = epoch
-        self._pending: deque[bytes] = deque()
+        self._pending: deque[tuple[float, bytes]] = deque()
 
     def append(self, now: float, raw: bytes) -> None:
         """Take one frame that came or went at ``now``; it reaches the file with the next ``flush``, which another
         thread may call."""
-        self._pending.append(_STAMP.pack(round((self._epoch + now) * 1e6)) + raw)
+        self._pending.append((now, raw))
 
     def flush(self) -> None:
         """Write what was appended."""
-        self._file.write(b"".join(self._pending.popleft() for _ in range(len(self._pending))))
+        waiting = [self._pending.popleft() for _ in range(len(self._pending))]
+        self._file.write(b"".join(_STAMP.pack(round((self._epoch + now) * 1e6)) + raw for now, raw in waiting))
         self._file.flush()
 
     def close(self) -> None:

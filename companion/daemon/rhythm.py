@@ -1,0 +1,70 @@
+"""The rhythm in which states come: when the next one is due, and when to be ready for it.
+
+A state that arrives at a processor which has slept for 4 ms finds its caches full of other work: the same tick takes
+twice as long as right after another one. So the last tick is flown once more, for nothing, just before the next state
+is due; and for the fraction of a millisecond that is left the link is asked again and again instead of slept on.
+"""
+
+from __future__ import annotations
+
+import math
+
+PHASE_GAIN, PERIOD_GAIN, MEAN_GAIN = 0.2, 0.02, 0.05
+"""What one arrival changes of the due time, of the period, of the other means."""
+MARGIN = 8e-5
+"""s that a rehearsal ends before a state is due, beside the usual deviation."""
+WATCH_MAX = 4e-4
+"""s of asking the link without sleeping, at most: a tenth of a core at 250 Hz."""
+REHEARSAL_SHARE_MAX = 0.15
+"""A machine on which a rehearsal takes more of the period than this has no time for it."""
+REGULAR = 0.08
+"""A rhythm is one while states keep to it within this share of the period, in the mean."""
+PERIOD_MAX = 0.1
+
+
+class Rhythm:
+    """Learns from arrivals (s, our clock). Not to be relied on: a state may come at any time."""
+
+    def __init__(self) -> None:
+        self._last = -math.inf
+        self._due = -math.inf
+        self._period = math.nan
+        self._deviation = math.inf
+        self._rehearsal = 2e-4
+        self._rehearsed = True
+        self._late = False
+        self.watch_until = -math.inf
+        """Until when to ask the link without sleeping."""
+
+    def arrived(self, now: float) -> None:
+        """A state came."""
+        late, self._late, self._rehearsed = self._late, False, False
+        self.watch_until = -math.inf
+        off = -self._rehearsal if late else now - self._due
+        if not abs(off) < 0.5 * self._period:  # the first ones, and after a stall
+            interval = now - self._last
+            self._period = interval if interval < PERIOD_MAX else math.nan
+            self._deviation = PERIOD_MAX
+            self._due = now
+            off = 0.0
+        self._last = now
+        self._deviation += MEAN_GAIN * (abs(off) - self._deviation)
+        self._period += PERIOD_GAIN * off
+        self._due += self._period + PHASE_GAIN * off
+
+    def rehearse_at(self) -> float:
+        """When to rehearse; inf for not at all."""
+        regular = self._deviation < REGULAR * self._period
+        if self._rehearsed or not regular or self._rehearsal > REHEARSAL_SHARE_MAX * self._period:
+            return math.inf
+        return self._due - self._deviation - self._rehearsal - MARGIN
+
+    def rehearsed(self, begun: float, ended: float) -> None:
+        """A rehearsal is over."""
+        self._rehearsed = True
+        self._rehearsal += MEAN_GAIN * (ended - begun - self._rehearsal)
+        self.watch_until = min(self._due + 2.0 * self._deviation, ended + WATCH_MAX)
+
+    def was_late(self) -> None:
+        """Something was there already when the rehearsal ended: it came while that went on."""
+        self._late = True
