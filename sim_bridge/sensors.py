@@ -105,19 +105,33 @@ def _noise(noise: Noise, step: float, draw: Draw) -> Wrong | None:
     a, b, c = noise.white
     if not any(noise.wander):
         return lambda: (a * draw(), b * draw(), c * draw())
-    x, y, z = noise.wander
-    i, j, k = (FirstOrder(draw, step, noise.wander_time) for _ in range(3))
+    wander = (_smooth if noise.smooth else _rough)(noise.wander, step, noise.wander_time, draw)
     if not any(noise.white):
-        return lambda: (x * i.update(), y * j.update(), z * k.update())
-    return lambda: (
-        x * i.update() + a * draw(), y * j.update() + b * draw(), z * k.update() + c * draw()
-    )  # fmt: skip
+        return wander
+
+    def both() -> Vec3:
+        x, y, z = wander()
+        return (x + a * draw(), y + b * draw(), z + c * draw())
+
+    return both
 
 
 def _drift(drift: Drift, step: float, draw: Draw) -> Wrong:
-    """A wander smooth enough to have a velocity: y of SecondOrder, whose y' has a variance of 1 / (2 time^2)."""
-    x, y, z = (speed * drift.time * math.sqrt(2.0) for speed in drift.speed)
-    i, j, k = (SecondOrder(draw, step, drift.time) for _ in range(3))
+    """A wander smooth enough to have a velocity: the standard deviation of that is the wander's over its time."""
+    x, y, z = drift.speed
+    return _smooth((x * drift.time, y * drift.time, z * drift.time), step, drift.time, draw)
+
+
+def _rough(sigma: Vec3, step: float, time: float, draw: Draw) -> Wrong:
+    x, y, z = sigma
+    i, j, k = (FirstOrder(draw, step, time) for _ in range(3))
+    return lambda: (x * i.update(), y * j.update(), z * k.update())
+
+
+def _smooth(sigma: Vec3, step: float, time: float, draw: Draw) -> Wrong:
+    """y of SecondOrder, which has a variance of 1 / 2 and its derivative one of 1 / (2 time^2)."""
+    x, y, z = (math.sqrt(2.0) * s for s in sigma)
+    i, j, k = (SecondOrder(draw, step, time) for _ in range(3))
 
     def wander() -> Vec3:
         i.update()

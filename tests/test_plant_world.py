@@ -75,6 +75,14 @@ def test_a_drift_is_smooth_and_the_velocity_does_not_show_it() -> None:
     assert all(each.v_n == STILL for each in seen)
 
 
+def test_a_smooth_wander_has_the_size_told_and_no_corners() -> None:
+    """px4_flight.md 4: what PX4 publishes is smooth to 0.3 mm/s over some samples."""
+    seen = estimates(Errors(velocity=Noise(wander=(0.02, 0.02, 0.01), wander_time=2.0, smooth=True)), 800.0, 0.02)
+    v = np.array([each.v_n for each in seen])
+    assert v.std(axis=0) == pytest.approx(np.array([0.02, 0.02, 0.01]), rel=0.25)
+    assert np.abs(np.diff(v, 2, axis=0)).std() < 1e-4
+
+
 def test_a_world_without_errors_shows_the_truth() -> None:
     plant = Plant(load_vehicle("x500"), World(), 250)
     estimate = Sensors(Errors(), 0.004, normals(1, Cause.ESTIMATE)).observe(plant.truth)

@@ -41,7 +41,7 @@ estimate:
   position: {white_m: 0.005, wander_m: [0.03, 0.03, 0.05], wander_s: 3}
   velocity: {white_mps: 0.01, wander_mps: 0.03}
   attitude: {white_deg: 0.06, wander_deg: 0.3, wander_s: 2}
-  gyro: {white_dps: 0.6, wander_dps: 0.1, wander_s: 20}
+  gyro: {white_dps: 0.6, wander_dps: 0.1, wander_s: 20, smooth: true}
   drift: {speed_mps: 0.025, time_s: 1.5}
 events:
   - {kind: push, force_n: [5, 0, -1], from_s: 20, to_s: 22, after: offboard}
@@ -86,7 +86,7 @@ def test_every_key_arrives() -> None:
             position=Noise((0.005,) * 3, (0.03, 0.03, 0.05), 3.0),
             velocity=Noise((0.01,) * 3, (0.03,) * 3),
             attitude=Noise((0.06 * degree,) * 3, (0.3 * degree,) * 3, 2.0),
-            gyro=Noise((0.6 * degree,) * 3, (0.1 * degree,) * 3, 20.0),
+            gyro=Noise((0.6 * degree,) * 3, (0.1 * degree,) * 3, 20.0, smooth=True),
             drift=Drift((0.025,) * 3, 1.5),
         ),
         events=(

@@ -17,6 +17,7 @@ from companion.config.world_keys import (
     EstimateModel,
     GustsModel,
     HomeModel,
+    NoiseModel,
     TruthModel,
     WayModel,
     WorldModel,
@@ -142,14 +143,15 @@ def _battery(model: BatteryModel) -> Battery:
 
 
 def _estimate(model: EstimateModel) -> Errors:
-    position, velocity, attitude, gyro, drift = (
-        model.position, model.velocity, model.attitude, model.gyro, model.drift
-    )  # fmt: skip
-    degree = math.radians(1.0)
+    position, velocity, attitude, gyro = model.position, model.velocity, model.attitude, model.gyro
     return Errors(
-        position=Noise(_vector(position.white_m), _vector(position.wander_m), position.wander_s),
-        velocity=Noise(_vector(velocity.white_mps), _vector(velocity.wander_mps), velocity.wander_s),
-        attitude=Noise(_vector(attitude.white_deg, degree), _vector(attitude.wander_deg, degree), attitude.wander_s),
-        gyro=Noise(_vector(gyro.white_dps, degree), _vector(gyro.wander_dps, degree), gyro.wander_s),
-        drift=Drift(_vector(drift.speed_mps), drift.time_s),
+        _noise(position.white_m, position.wander_m, position),
+        _noise(velocity.white_mps, velocity.wander_mps, velocity),
+        _noise(attitude.white_deg, attitude.wander_deg, attitude, math.radians(1.0)),
+        _noise(gyro.white_dps, gyro.wander_dps, gyro, math.radians(1.0)),
+        Drift(_vector(model.drift.speed_mps), model.drift.time_s),
     )
+
+
+def _noise(white: Sequence[float], wander: Sequence[float], model: NoiseModel, unit: float = 1.0) -> Noise:
+    return Noise(_vector(white, unit), _vector(wander, unit), model.wander_s, model.smooth)

@@ -178,48 +178,49 @@ class BatteryModel(Strict):
         return self
 
 
-class PositionNoiseModel(Strict):
+class NoiseModel(Strict):
+    """What the errors of any quantity have."""
+
+    wander_s: Seconds = 1.0
+    """the wander's time constant, in s"""
+    smooth: bool = False
+    """whether the wander has no corners (two lags of that time in a row)"""
+
+
+class PositionNoiseModel(NoiseModel):
     """The position's errors."""
 
     white_m: Metres = Field(default_factory=_zero)
     """standard deviation that is new at every step, one number or [north, east, down], in m"""
     wander_m: Metres = Field(default_factory=_zero)
     """standard deviation of a slow wander (first-order Gauss-Markov), one number or [north, east, down], in m"""
-    wander_s: Seconds = 1.0
-    """the wander's time constant, in s"""
 
 
-class VelocityNoiseModel(Strict):
+class VelocityNoiseModel(NoiseModel):
     """The velocity's errors."""
 
     white_mps: Mps = Field(default_factory=_zero)
     """standard deviation that is new at every step, one number or [north, east, down], in m/s"""
     wander_mps: Mps = Field(default_factory=_zero)
     """standard deviation of a slow wander (first-order Gauss-Markov), one number or [north, east, down], in m/s"""
-    wander_s: Seconds = 1.0
-    """the wander's time constant, in s"""
 
 
-class AttitudeNoiseModel(Strict):
+class AttitudeNoiseModel(NoiseModel):
     """The attitude's errors."""
 
     white_deg: Degrees = Field(default_factory=_zero)
     """standard deviation that is new at every step, one number or [roll, pitch, yaw], in degrees"""
     wander_deg: Degrees = Field(default_factory=_zero)
     """standard deviation of a slow wander (first-order Gauss-Markov), one number or [roll, pitch, yaw], in degrees"""
-    wander_s: Seconds = 1.0
-    """the wander's time constant, in s"""
 
 
-class GyroNoiseModel(Strict):
+class GyroNoiseModel(NoiseModel):
     """The body rates' errors."""
 
     white_dps: Dps = Field(default_factory=_zero)
     """standard deviation that is new at every step, one number or [roll, pitch, yaw], in degrees per second"""
     wander_dps: Dps = Field(default_factory=_zero)
     """standard deviation of a slow wander (first-order Gauss-Markov), one number or [roll, pitch, yaw], in deg/s"""
-    wander_s: Seconds = 1.0
-    """the wander's time constant, in s"""
 
 
 class DriftModel(Strict):
@@ -235,13 +236,13 @@ class EstimateModel(Strict):
     """How wrong the vehicle's idea of its state is."""
 
     position: PositionNoiseModel = Field(default_factory=PositionNoiseModel)
-    """the position's errors (white_m, wander_m, wander_s)"""
+    """the position's errors (white_m, wander_m, wander_s, smooth)"""
     velocity: VelocityNoiseModel = Field(default_factory=VelocityNoiseModel)
-    """the velocity's errors (white_mps, wander_mps, wander_s)"""
+    """the velocity's errors (white_mps, wander_mps, wander_s, smooth)"""
     attitude: AttitudeNoiseModel = Field(default_factory=AttitudeNoiseModel)
-    """the attitude's errors (white_deg, wander_deg, wander_s)"""
+    """the attitude's errors (white_deg, wander_deg, wander_s, smooth)"""
     gyro: GyroNoiseModel = Field(default_factory=GyroNoiseModel)
-    """the body rates' errors (white_dps, wander_dps, wander_s)"""
+    """the body rates' errors (white_dps, wander_dps, wander_s, smooth)"""
     drift: DriftModel = Field(default_factory=DriftModel)
     """a wander of the position that the velocity does not show (speed_mps, time_s)"""
 

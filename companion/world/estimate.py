@@ -12,11 +12,12 @@ NONE: Vec3 = (0.0, 0.0, 0.0)
 @dataclass(frozen=True, slots=True)
 class Noise:
     """An error of three axes: ``white`` is new at every step, ``wander`` is a first-order Gauss-Markov process with
-    the time constant ``wander_time`` (s). Both are standard deviations."""
+    the time constant ``wander_time`` (s), or where it is ``smooth`` two such lags in a row. Standard deviations."""
 
     white: Vec3 = NONE
     wander: Vec3 = NONE
     wander_time: float = 1.0
+    smooth: bool = False
 
     def __bool__(self) -> bool:
         return any(self.white) or any(self.wander)
