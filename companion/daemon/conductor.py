@@ -321,6 +321,9 @@ class Conductor:
             return (
                 f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
             )
+        if self.link.others:
+            systems = ", ".join(str(system) for system in sorted({identity.system, *self.link.others}))
+            return f"two autopilots speak on the link (systems {systems}); connect to the one that is to fly"
         if self.orders.level is not OutputLevel.MOTORS:
             return None
         refused = output.motors_refused(self.orders.vehicle, identity.direct_motors)
