@@ -23,7 +23,10 @@ bench: .venv/installed-test
 	$(BIN)/python -m pip install --quiet --editable '.[$*]'
 	touch $@
 
+schema: .venv/installed-test
+	for kind in mission vehicle world; do $(BIN)/companion schema $$kind > schema/$$kind.schema.json || exit 1; done
+
 clean:
 	rm -rf .venv flights
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint bench schema clean

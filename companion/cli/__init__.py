@@ -4,6 +4,7 @@ simulate   a mission against the plant: in lockstep, or as two processes over UD
 flying     a mission on a vehicle
 bare       the law without a vehicle, state by state
 export     a mission as a plan or a table
+new        examples of every kind of file, and their schemas
 finish     what every flight ends with: summary, folder, report, exit code
 """
 

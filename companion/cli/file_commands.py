@@ -32,6 +32,32 @@ def export(
     write(mission, vehicle, plan, csv, home, tolerance, spacing, force)
 
 
+def new(
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND",
+            help="A kind of path (circle, ellipse, lissajous, line, polyline, spline, expression, helix, implicit, "
+            "plan), vehicle or world.",
+        ),
+    ],
+    file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="Where to. [default: KIND.yaml]")] = None,
+    force: Force = False,
+) -> None:
+    """Write a commented example of a mission, a vehicle or a world, to begin from."""
+    from companion.cli.new import new as write
+
+    write(kind, file, force)
+
+
+def schema(kind: Annotated[str, typer.Argument(metavar="KIND", help="mission, vehicle or world.")]) -> None:
+    """Print the JSON Schema of a kind of file: every key, what it means, its unit. Editors complete and check by it."""
+    from companion.cli.new import schema as print_schema
+
+    print_schema(kind)
+
+
 def register(app: typer.Typer) -> None:
     """Add the commands."""
-    app.command()(export)
+    for command in (export, new, schema):
+        app.command()(command)

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, WithJsonSchema, model_validator
 
 from companion.config.path_keys import Coordinate, Metres
 from companion.config.schema import Strict
 from companion.fence import Area, Circle, Fence, Polygon
 
-Corner = Annotated[list[Coordinate], Field(min_length=2, max_length=2)]
+_PAIR = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+_PLACE = {
+    "type": "object",
+    "properties": {
+        "lat": {"type": "number", "minimum": -89, "maximum": 89, "description": "latitude in degrees"},
+        "lon": {"type": "number", "minimum": -180, "maximum": 180, "description": "longitude in degrees"},
+    },
+    "required": ["lat", "lon"],
+    "additionalProperties": False,
+}
+Corner = Annotated[list[Coordinate], Field(min_length=2, max_length=2), WithJsonSchema({"anyOf": [_PAIR, _PLACE]})]
 Corners = Annotated[list[Corner], Field(min_length=3, max_length=1000)]
 
 

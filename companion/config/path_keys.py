@@ -26,6 +26,7 @@ _PLACE = {
 }
 """What ``earth`` turns into a point before a model sees it."""
 Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3), WithJsonSchema({"anyOf": [_TRIPLE, _PLACE]})]
+Triple = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 OriginModel = Annotated[
     Literal["local", "takeoff", "home"] | Annotated[list[float], Field(min_length=3, max_length=3)] | None,
     WithJsonSchema({"anyOf": [{"enum": ["local", "takeoff", "home"]}, _TRIPLE, _PLACE]}),
@@ -88,7 +89,7 @@ class _Round(Strict):
 
     center: Point
     """the centre [x, y, z], in m"""
-    normal: Point | None = None
+    normal: Triple | None = None
     """the direction [x, y, z] that stands on its plane, no unit; vertical where absent"""
 
     @field_validator("normal")
@@ -124,7 +125,7 @@ class LissajousModel(Strict):
     """the kind of path"""
     center: Point
     """the centre [x, y, z], in m"""
-    amplitude: Point
+    amplitude: Triple
     """how far it swings along [x, y, z], in m"""
     frequency: Annotated[list[Frequency], Field(min_length=3, max_length=3)]
     """how often it swings along [x, y, z] in a round: whole numbers"""

@@ -29,7 +29,7 @@ class RotorModel(Strict):
     torque_per_thrust_m: Annotated[float, Field(gt=0.0, lt=1.0)]
     """reaction torque over thrust, in m (about 0.01 to 0.03)"""
     command: Annotated[list[float], Field(min_length=2, max_length=2)] = Field(default_factory=lambda: [0.0, 1.0])
-    """the range of motor commands [lowest, highest], thrust being command times thrust_max_n"""
+    """the range of motor commands [lowest, highest], no unit, thrust being command times thrust_max_n"""
 
     @field_validator("command")
     @classmethod
