@@ -89,8 +89,8 @@ class Server:
         self._sockets: list[socket.socket] = []
         self._peers = [endpoint.peer for endpoint in endpoints]
         self._heard = [False] * len(endpoints)
-        self._slipped = 0.0
-        self._said_slipped = 0.0
+        self._speed = speed
+        self._said_slow = 0.0
         for endpoint in endpoints:
             try:
                 self._sockets.append(_bound(endpoint.bind))
@@ -106,14 +106,17 @@ class Server:
         """Step until ``stopped()`` says so."""
         gc.collect()
         gc.freeze()  # what has been imported need never be looked at again, in the middle of a step
-        due = earliest = time.monotonic()
+        begun, begun_at = time.monotonic(), self._bridge.now
+        due = earliest = begun
         while not stopped():
             due += self._period
             self._wait(max(due, earliest))
             now = time.monotonic()
             if now - due > SLIP_BEYOND:
-                self._slip(now - due)
                 due = now
+                if now - self._said_slow > 5.0:
+                    self._said_slow = now
+                    self._log(f"{self._pace(begun, begun_at)}; the machine is busy")
             earliest = now + 0.5 * self._period
             self._bridge.step()
             self._send()
@@ -121,6 +124,7 @@ class Server:
                 self._after_step()
             if self._bridge.log:
                 self._report()
+        self._log(self._pace(begun, begun_at))
 
     def close(self) -> None:
         """Close the sockets."""
@@ -160,14 +164,11 @@ class Server:
                 except OSError:  # nobody there, or the buffer is full: UDP may lose it
                     continue
 
-    def _slip(self, behind: float) -> None:
-        self._slipped += behind
-        now = time.monotonic()
-        if now - self._said_slipped > 5.0:
-            self._said_slipped = now
-            self._log(
-                f"{self._bridge.now:.2f} s: the machine is busy; the plant is {self._slipped:.2f} s behind in all"
-            )
+    def _pace(self, begun: float, begun_at: float) -> str:
+        """How fast the plant has really run since the clock was ``begun`` and the bridge's time ``begun_at``, s."""
+        passed, took = self._bridge.now - begun_at, max(1e-6, time.monotonic() - begun)
+        told = f"{self._bridge.now:.2f} s: {passed:.2f} s of plant time in {took:.2f} s, {passed / took:.3g} times"
+        return f"{told} real time of {self._speed:g} asked for"
 
     def _report(self) -> None:
         for line in self._bridge.log:

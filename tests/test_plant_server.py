@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import socket
 import statistics
@@ -213,7 +214,9 @@ def test_a_plant_that_is_late_slips_and_says_so() -> None:
     server.run(lambda: calls[0] >= 50)
     server.close()
     assert time.monotonic() - began > 0.3 + 40 * 0.004  # what was lost is not made up for in a burst
-    assert any("the machine is busy; the plant is 0." in line for line in lines)
+    busy = [line for line in lines if "times real time of 1 asked for; the machine is busy" in line]
+    assert len(busy) == 1
+    assert 0.0 < float(busy[0].split(" s, ")[1].split()[0]) < 0.5  # 40 ms of plant time in 340
 
 
 def test_late_steps_follow_at_twice_the_pace_and_not_in_a_burst() -> None:
@@ -234,14 +237,19 @@ def test_late_steps_follow_at_twice_the_pace_and_not_in_a_burst() -> None:
 
 
 def test_speed_is_kept_and_never_exceeded() -> None:
-    took = []
+    took: list[float] = []
     for _ in range(3):
         client = Client("sih", endpoints=1)
-        server = Server(client.bridge, [Endpoint(("127.0.0.1", 0), None)], speed=8.0, log=lambda line: None)
+        said: list[str] = []
+        server = Server(client.bridge, [Endpoint(("127.0.0.1", 0), None)], speed=8.0, log=said.append)
         began = time.monotonic()
         server.run(lambda bridge=client.bridge: bridge.now >= 0.4)
         took.append(time.monotonic() - began)
         server.close()
+        told = re.search(r"0.40 s: 0.40 s of plant time in (.*) s, (.*) times real time of 8 asked for", said[-1])
+        assert told is not None, said
+        assert float(told[1]) == pytest.approx(took[-1], abs=0.02)
+        assert float(told[2]) == pytest.approx(0.4 / took[-1], rel=0.2)  # what it was, not what was asked for
     assert min(took) > 0.4 / 8.0 - 0.001
     assert min(took) < 0.4 / 2.0
 
