@@ -22,7 +22,7 @@ ESTIMATOR_PARTS = (
 )
 """The bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for."""
 CLOCK_JUMP = 0.5
-RATE_ERROR = 3.0
+RATE_ERROR, TURNING = 3.0, 1.0
 BEHIND = 5
 SLOW_RATE = 12.0
 FENCE_AHEAD = 1.0
@@ -44,6 +44,7 @@ class Sight(NamedTuple):
     ``following``: the path is flown now, and it was reached. ``path_error``: m. ``height``: m above the ground, None
     where that is not known. ``fence_margin``: m to the mission's fence, inside positive. ``from_home``: m level, and
     ``above_home`` m. ``tilt``: rad. ``rate_error``: rad/s between the rates asked for and flown, None where none are.
+    ``turning``: rad/s, how fast it turns. ``still``: it neither moves nor turns.
     ``saturated``: a limit of the vehicle was met. ``jump``: m that the position jumped at an estimator's reset.
     ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
     together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``companions``: others
@@ -59,6 +60,8 @@ class Sight(NamedTuple):
     above_home: float | None = None
     tilt: float = 0.0
     rate_error: float | None = None
+    turning: float = 0.0
+    still: bool = False
     saturated: bool = False
     jump: float = 0.0
     clock_jump: float = 0.0
@@ -109,7 +112,8 @@ def _tilt(s: Sight, limits: Limits) -> str | None:
 
 
 def _rates(s: Sight, limits: Limits) -> str | None:
-    if s.rate_error is None or s.rate_error <= RATE_ERROR:
+    # a vehicle that is held does not turn at all; it is to carry on when it is let go
+    if s.rate_error is None or s.rate_error <= RATE_ERROR or s.turning <= TURNING:
         return None
     return f"the vehicle turns {s.rate_error:.1f} rad/s otherwise than it is told"
 
@@ -145,7 +149,10 @@ def _tube(s: Sight, limits: Limits) -> str | None:
 
 
 def _saturated(s: Sight, limits: Limits) -> str | None:
-    return "the vehicle is at its limits and cannot fly this" if s.saturated and limits.tilt is not None else None
+    # whoever holds a vehicle still brings the law to its limits, not the path
+    if not s.saturated or s.still or limits.tilt is None:
+        return None
+    return "the vehicle is at its limits and cannot fly this"
 
 
 def _battery(s: Sight, limits: Limits) -> str | None:

@@ -17,6 +17,8 @@ from companion.vehicle import RateSetpoint
 
 REHEARSED_FOR = 5.0
 """s of rehearsal where no duration is given."""
+STILL = 0.15
+"""m/s and rad/s below which the vehicle stands."""
 
 
 def sight(plan: Plan, memory: Memory, seen: Observation) -> safety.Sight:
@@ -38,6 +40,8 @@ def sight(plan: Plan, memory: Memory, seen: Observation) -> safety.Sight:
         above_home=None if home is None else home[2] - z,
         tilt=tilt(state.r_nb),
         rate_error=math.dist(asked.rates_b, state.w_b) if isinstance(asked, RateSetpoint) else None,
+        turning=math.hypot(*state.w_b),
+        still=math.hypot(*state.v_n) < STILL and math.hypot(*state.w_b) < STILL,
         saturated=steered is not None and memory.phase in FLOWN and steered.saturated,
         jump=memory.jump,
         clock_jump=memory.clock_jump,
