@@ -9,9 +9,9 @@ from pathlib import Path
 from companion.cli.finish import NO_VEHICLE, Ending, finish, say
 from companion.cli.orders import Sortie
 from companion.cli.output import WhoStarts
-from companion.daemon.address import Port
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
+from companion.daemon.port import Port
 from companion.flight.conduct import Conduct, Manner
 from companion.mission import Origin
 from companion.record.folder import Recorder

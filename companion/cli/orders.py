@@ -14,7 +14,7 @@ from companion.config.mission import bare_mission_from, mission_from
 from companion.config.places import find, read
 from companion.config.plan_source import attached, is_plan, mission_text, parsed
 from companion.config.vehicle import load_vehicle, vehicle_from
-from companion.daemon.address import AddressError
+from companion.daemon.port import AddressError
 from companion.law.gains import Level
 from companion.mission import Mission
 from companion.plan import law_level

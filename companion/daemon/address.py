@@ -7,16 +7,16 @@ serial:///dev/NAME:BAUD
 
 from __future__ import annotations
 
-import os
+import difflib
+import errno
 import select
 import socket
-import termios
-import tty
+import time
 from collections.abc import Callable
-from typing import Protocol
 from urllib.parse import urlsplit
 
-from companion.vehicle import CompanionError
+from companion.daemon.port import AddressError, Port
+from companion.daemon.serial import SerialPort, known_rate
 
 RECEIVE_BUFFER = 1 << 20
 """bytes. The default holds 256 small datagrams: a quarter of a second of a busy link."""
@@ -25,48 +25,45 @@ BATCH_MAX = 4096
 """Datagrams that are drained before the newest state is acted on: more than the buffer holds after any stall."""
 
 
-class AddressError(CompanionError):
-    """An address that is not one, or that cannot be opened (exit code 2)."""
+PEER_SILENT = 2.0
+"""s."""
+AUTOPILOT_COMPONENT = 1
 
 
-class Port(Protocol):
-    """An open link. ``stream``: bytes come in pieces rather than datagrams."""
-
-    stream: bool
-
-    def receive(self, timeout: float) -> list[bytes]:
-        """What has arrived: waits at most ``timeout`` s for the first piece, then takes all there is."""
-
-    def send(self, data: bytes) -> None:
-        """Send one frame. A peer that is away is no error."""
-
-    def close(self) -> None:
-        """Close the link."""
-
-    def describe(self) -> str:
-        """What is listened to, for a person."""
+def is_autopilots_heartbeat(data: bytes) -> bool:
+    """Whether a datagram begins with an autopilot's HEARTBEAT, as far as its header says."""
+    if len(data) >= 12 and data[0] == 0xFD:
+        return data[6] == AUTOPILOT_COMPONENT and data[7:10] == b"\0\0\0"
+    return len(data) >= 8 and data[0] == 0xFE and data[4] == AUTOPILOT_COMPONENT and data[5] == 0
 
 
 class UdpPort:
-    """A UDP socket that talks to one peer: the one it calls, or the first it hears."""
+    """A UDP socket that talks to one peer: the one it calls, or the first autopilot it hears. An autopilot that comes
+    from another address is the peer when the first one has been silent for a while: it was started again."""
 
     stream = False
 
     def __init__(self, host: str, port: int, *, listen: bool) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._listens = listen
         self._peer: tuple[str, int] | None = None if listen else (host, port)
+        self._peer_at = 0.0
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
         self._socket.setblocking(False)
         try:
             self._socket.bind((host, port) if listen else ("127.0.0.1" if host.startswith("127.") else "0.0.0.0", 0))
         except OSError as error:
             self._socket.close()
-            raise AddressError(f"UDP {host}:{port} cannot be opened: {error.strerror}") from None
+            hint = (
+                "; does another companion or a ground station listen there?" if error.errno == errno.EADDRINUSE else ""
+            )
+            raise AddressError(f"UDP {host}:{port} cannot be opened: {error.strerror}{hint}") from None
         self.local: tuple[str, int] = self._socket.getsockname()
 
     def receive(self, timeout: float) -> list[bytes]:
         """See Port."""
         batch: list[bytes] = []
+        heard = False
         receive = self._socket.recvfrom
         try:
             # select waits to the microsecond, a socket's own time-out to the next millisecond
@@ -74,12 +71,22 @@ class UdpPort:
                 return batch
             while len(batch) < BATCH_MAX:
                 data, address = receive(DATAGRAM_MAX)
-                if self._peer is None:
-                    self._peer = address
+                if address == self._peer:
+                    heard = True
+                elif self._listens:
+                    self._met(data, address)
                 batch.append(data)
         except OSError:  # nothing more, or what an unreachable peer leaves behind
             pass
+        if heard:
+            self._peer_at = time.monotonic()
         return batch
+
+    def _met(self, data: bytes, address: tuple[str, int]) -> None:
+        """A datagram from somebody who is not the peer. Garbage and ground stations do not become it."""
+        now = time.monotonic()
+        if is_autopilots_heartbeat(data) and (self._peer is None or now - self._peer_at > PEER_SILENT):
+            self._peer, self._peer_at = address, now
 
     def send(self, data: bytes) -> None:
         """See Port."""
@@ -96,59 +103,6 @@ class UdpPort:
     def describe(self) -> str:
         """See Port."""
         return f"UDP {self.local[0]}:{self.local[1]}" + (f" to {self._peer[0]}:{self._peer[1]}" if self._peer else "")
-
-
-class SerialPort:
-    """A serial line, raw, 8N1, without flow control."""
-
-    stream = True
-
-    def __init__(self, device: str, baud: int) -> None:
-        speed = getattr(termios, f"B{baud}", None)
-        if speed is None:
-            raise AddressError(f"{baud} is no baud rate of this system; expected 57600, 115200, 460800, 921600, ...")
-        try:
-            self._file = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-        except OSError as error:
-            hint = "; is the device plugged in?" if isinstance(error, FileNotFoundError) else ""
-            hint = "; is the user in the group dialout?" if isinstance(error, PermissionError) else hint
-            raise AddressError(f"{device} cannot be opened: {error.strerror}{hint}") from None
-        try:
-            tty.setraw(self._file)
-            attributes = termios.tcgetattr(self._file)
-            attributes[2] = termios.CS8 | termios.CREAD | termios.CLOCAL
-            attributes[4] = attributes[5] = speed
-            termios.tcsetattr(self._file, termios.TCSANOW, attributes)
-        except termios.error:
-            os.close(self._file)
-            raise AddressError(f"{device} is not a serial line") from None
-        self._name = f"{device} at {baud} baud"
-
-    def receive(self, timeout: float) -> list[bytes]:
-        """See Port."""
-        ready, _, _ = select.select([self._file], [], [], max(timeout, 0.0))
-        if not ready:
-            return []
-        try:
-            data = os.read(self._file, DATAGRAM_MAX)
-        except OSError:  # unplugged: silence, which the guards see
-            return []
-        return [data] if data else []
-
-    def send(self, data: bytes) -> None:
-        """See Port."""
-        try:
-            os.write(self._file, data)
-        except OSError:  # full or unplugged: an old frame is never queued behind a new one
-            return
-
-    def close(self) -> None:
-        """See Port."""
-        os.close(self._file)
-
-    def describe(self) -> str:
-        """See Port."""
-        return self._name
 
 
 def opened(url: str) -> Port:
@@ -168,10 +122,13 @@ def parsed(url: str) -> Callable[[], Port]:
         device, _, baud = (parts.netloc + parts.path).rpartition(":")
         if not device.startswith("/dev/") or not baud.isdigit():
             raise AddressError(f"{url!r} names no device and baud rate; {expected}")
+        known_rate(int(baud))
         return lambda: SerialPort(device, int(baud))
-    if parts.scheme not in ("udpin", "udpout") or parts.path.strip("/"):
-        raise AddressError(f"{url!r} is no address; {expected}")
-    if not host or port is None:
+    if parts.scheme not in ("udpin", "udpout") or parts.path.strip("/") or parts.query or parts.fragment:
+        near = difflib.get_close_matches(url.split(":")[0], ("udpin", "udpout", "serial"), 1)
+        meant = f" (did you mean {near[0]}://?)" if near and near[0] != parts.scheme else ""
+        raise AddressError(f"{url!r} is no address{meant}; {expected}")
+    if not host or not port:
         raise AddressError(f"{url!r} names no host and port; {expected}")
     try:
         found = socket.gethostbyname(host)

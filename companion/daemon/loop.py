@@ -7,18 +7,20 @@ from __future__ import annotations
 
 import gc
 import math
+import os
 import sys
 import threading
 import time
 from collections.abc import Callable
 
-from companion.daemon.address import Port
 from companion.daemon.conductor import Conductor
+from companion.daemon.port import Port
 from companion.daemon.progress import Watch
 from companion.daemon.realtime import HELPER_PRIORITY, at_priority, punctual
 from companion.daemon.rehearsal import Rehearsal, urgent
 from companion.daemon.rhythm import Rhythm
 from companion.daemon.signals import ending_signals
+from companion.daemon.systemd import Service
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
 
@@ -50,21 +52,25 @@ def run(
     sys.setswitchinterval(SWITCH_INTERVAL)
     _freeze()
     gc.disable()
-    scribe = _Scribe(conductor, recorder, say)
+    service = Service(os.environ)
+    scribe = _Scribe(conductor, recorder, say, service)
     scribe.start()
     try:
         with punctual() as priority, ending_signals(conductor.stop) as stopped:
             say(priority)
-            _fly(conductor, port, wait_for_vehicle)
+            service.ready(f"listening to {port.describe()}")
+            _fly(conductor, port, service, wait_for_vehicle)
     finally:
+        service.stopping()
         scribe.finish()
+        service.close()
         gc.enable()
         gc.unfreeze()
         sys.setswitchinterval(interval)
     return bool(stopped)
 
 
-def _fly(conductor: Conductor, port: Port, wait_for_vehicle: float) -> None:
+def _fly(conductor: Conductor, port: Port, service: Service, wait_for_vehicle: float) -> None:
     begun = clock()
     rhythm, rehearsal = Rhythm(), Rehearsal()
     states = 0
@@ -87,6 +93,7 @@ def _fly(conductor: Conductor, port: Port, wait_for_vehicle: float) -> None:
         if now >= conductor.next_timer():
             conductor.on_timer(now)
             _send(conductor, port)
+        service.alive(now)
         if conductor.plan is not None and not frozen:
             frozen = True
             _freeze()
@@ -137,13 +144,17 @@ def _freeze() -> None:
 class _Scribe(threading.Thread):
     """Writes the record and the screen."""
 
-    def __init__(self, conductor: Conductor, recorder: Recorder | None, say: Callable[[str], None]) -> None:
+    def __init__(
+        self, conductor: Conductor, recorder: Recorder | None, say: Callable[[str], None], service: Service
+    ) -> None:
         super().__init__(name="scribe", daemon=True)
         self._conductor = conductor
         self._recorder = recorder
         self._say = say
+        self._service = service
         self._watch = Watch(PROGRESS_PERIOD)
         self._finished = threading.Event()
+        self._full = False
 
     def run(self) -> None:
         at_priority(HELPER_PRIORITY)
@@ -157,11 +168,16 @@ class _Scribe(threading.Thread):
         self._write()
 
     def _write(self) -> None:
-        if self._recorder is not None:
-            self._recorder.flush()
+        if self._recorder is not None and not self._full:
+            try:
+                self._recorder.flush()
+            except OSError as error:
+                self._full = True
+                self._say(f"the record cannot be written ({error.strerror}); the flight goes on without")
         notes = self._conductor.notes
         for _ in range(len(notes)):
             self._say(notes.pop(0))
         line = self._watch.look(self._conductor, clock())
         if line is not None:
             self._say(line)
+            self._service.status(line)
