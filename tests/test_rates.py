@@ -7,10 +7,14 @@ import random
 
 import pytest
 
+from bench.measured import course, machine, measured, world
+from bench.robustness import flown as robust
 from companion.frames import multiply, quaternion_from_euler
 from companion.steering.encoding import AsAttitude, as_attitude
 from companion.steering.thrust import ThrustRange
 from companion.vehicle import OutputLevel, RateSetpoint, Tuning
+from companion.world import Link, Way
+from companion.world.events import Hold, When
 from sim_bridge.control.attitude import GAINS, rates_for
 from tests.flights import Flown, flight
 
@@ -63,3 +67,29 @@ def test_a_circle_on_the_stand_in(level: OutputLevel) -> None:
         if isinstance(setpoint, RateSetpoint):
             assert max(map(abs, setpoint.rates_b)) <= 4.0
         assert 0.0 < setpoint.thrust < 1.0  # type: ignore[union-attr]
+
+
+def test_held_on_the_path_it_waits_and_carries_on() -> None:
+    """Four seconds held at 3 m/s: no leap on release, neither off the path nor ahead."""
+    held = world("ideal", link=Link(Way(0.01), Way(0.01)), events=(Hold(When(8.0, 12.0)),))
+    most = [0.0, 0.0]
+
+    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+        if conductor.plan is not None and truth.t_boot > 12.0:
+            _, distance = conductor.plan.table.locate(truth.p_n)
+            most[0], most[1] = max(most[0], distance), max(most[1], math.hypot(*truth.v_n))
+
+    done = measured(course("circle_r5", 3.0), machine("x500"), held, duration=15.0, settle=14.0, watch=watch)
+    assert done.reason is None
+    assert most[0] < 0.35
+    assert 2.5 < most[1] < 1.3 * 3.0
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_outdoors_with_a_machine_that_is_not_as_its_file_says(seed: int) -> None:
+    """Two of the flights of bench/robustness.py, shortened."""
+    done = robust(seed, duration=14.0, settle=8.0)
+    assert done.reason is None
+    assert done.true is not None
+    assert done.true.path < 0.12
+    assert done.true.speed < 0.05 * 6.0

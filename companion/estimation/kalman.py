@@ -115,6 +115,14 @@ def seated(belief: Belief, p_n: Vec3, v_n: Vec3) -> Belief:
     return Belief(tuple(x), tuple(P))
 
 
+def calmed(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3) -> Belief:
+    """``belief`` seated, its disturbance put back to what it was."""
+    there = seated(belief, p_n, v_n)
+    x = list(there.x)
+    x[2], x[6], x[10] = disturbance_n
+    return Belief(tuple(x), there.P)
+
+
 def stepped(
     belief: Belief, dt: float, lift_n: Vec3, gravity: float, p_n: Vec3, v_n: Vec3,
     noise: tuple[float, float], learning: bool,

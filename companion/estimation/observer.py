@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.estimation.kalman import DRAG, KAPPA, SMOOTH_X, Belief, Surprise, first_belief, seated, stepped
+from companion.estimation.kalman import DRAG, KAPPA, SMOOTH_X, Belief, Surprise, calmed, first_belief, seated, stepped
 from companion.frames import Matrix3, Vec3
 
 FREEZE_FOR = 0.4
@@ -31,6 +31,9 @@ NOISE_MIN, NOISE_MAX = (SMOOTH_X, 4e-3**2), (0.05**2, 0.2**2)
 JUMP_P, JUMP_V, JUMP_SIGMAS = 0.25, 0.5, 10.0
 CALM = 1.0
 """m/s, below which a lean is taken for the wind's."""
+STILL, MISSING, MISSING_TIME = 0.25, 0.5, 1.0
+"""m/s: slower than this a vehicle that is to move may be held; it is when so much velocity is missing that it should
+have come to in the last second or so (s)."""
 CONVERGED = 0.03
 """Standard deviation of the thrust scale at which it is known."""
 FIRST_LEARNING = 0.3
@@ -47,7 +50,8 @@ class Prior(NamedTuple):
 class Observed(NamedTuple):
     """What is known at a stamp. ``belief``: of the vehicle. ``noise``: variances of measured position and velocity.
     ``slow_n``: m/s^2, the slow mean of the disturbance. ``frozen``: s left without learning. ``flown``: s since the
-    first step. ``held``: whether the disturbance stands at the edge of its ball."""
+    first step. ``held``: whether the disturbance stands at the edge of its ball.
+    ``missing_n``: m/s, the velocity it should have come to since it stands still."""
 
     belief: Belief
     noise: tuple[float, float]
@@ -55,6 +59,13 @@ class Observed(NamedTuple):
     frozen: float = 0.0
     flown: float = 0.0
     held: bool = False
+    missing_n: Vec3 = (0.0, 0.0, 0.0)
+
+    @property
+    def stuck(self) -> bool:
+        """Whether something holds the vehicle."""
+        x, y, z = self.missing_n
+        return x * x + y * y + z * z > MISSING * MISSING
 
     @property
     def converged(self) -> bool:
@@ -71,20 +82,48 @@ def first_observed(p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: P
 
 
 def observed(
-    known: Observed, dt: float, lift_n: Vec3, gravity: float, p_n: Vec3, v_n: Vec3, *, limited: bool, jumped: bool
+    known: Observed,
+    dt: float,
+    lift_n: Vec3,
+    gravity: float,
+    p_n: Vec3,
+    v_n: Vec3,
+    *,
+    limited: bool,
+    jumped: bool,
+    moving: bool = False,
 ) -> Observed:
     """``known`` after ``dt`` s under a mean lift and a new measurement. ``limited``: the last command met a limit.
-    ``jumped``: the vehicle says that its estimate was reset."""
+    ``jumped``: the vehicle says that its estimate was reset. ``moving``: it was told to fly somewhere."""
     frozen = FREEZE_FOR if limited else max(0.0, known.frozen - dt)
     learning = frozen == 0.0
     belief, surprise = stepped(known.belief, dt, lift_n, gravity, p_n, v_n, known.noise, learning)
     flown = known.flown + dt
+    missing_n = _missing(known, dt, lift_n, gravity, v_n) if moving else (0.0, 0.0, 0.0)
+    known = known._replace(missing_n=missing_n)
+    if known.stuck:
+        return known._replace(belief=calmed(known.belief, p_n, v_n, known.slow_n), frozen=FREEZE_FOR, flown=flown)
     if jumped or _leapt(surprise):
         there = seated(known.belief, p_n, v_n)
         return known._replace(belief=there, frozen=FREEZE_FOR, flown=flown)
     belief, slow_n, held = _bounded(belief, known.slow_n, dt, flown)
     noise = known.noise if held or not learning else _noise(known.noise, surprise, dt)
-    return Observed(belief, noise, slow_n, FREEZE_FOR if held else frozen, flown, held)
+    return Observed(belief, noise, slow_n, FREEZE_FOR if held else frozen, flown, held, missing_n)
+
+
+def _missing(known: Observed, dt: float, lift_n: Vec3, gravity: float, v_n: Vec3) -> Vec3:
+    """The velocity that a vehicle that stands still ought to have by now, from what is known of the forces on it."""
+    vx, vy, vz = v_n
+    if vx * vx + vy * vy + vz * vz > STILL * STILL:
+        return (0.0, 0.0, 0.0)
+    (x, y, z), (sx, sy, sz), kappa = known.missing_n, known.slow_n, known.belief.kappa
+    keep = 1.0 - dt / MISSING_TIME
+    fx, fy, fz = lift_n
+    return (
+        keep * x + dt * (sx - kappa * fx),
+        keep * y + dt * (sy - kappa * fy),
+        keep * z + dt * (gravity + sz - kappa * fz),
+    )
 
 
 def _leapt(surprise: Surprise) -> bool:

@@ -31,10 +31,13 @@ TILTING_MAX = 4.0
 """rad/s of roll and pitch rate."""
 THRUST_MIN, THRUST_MAX = 0.05, 0.97
 """Normalised: the range that is sent. A little is left for the vehicle's own rate loop."""
+MOVING = 0.5
+"""m/s: a vehicle told to fly faster is expected to move."""
 YAW_LEAD = 0.36
 """s, how much earlier than it is wanted a yaw rate is asked for; the yaw loop's lag for what turns at 1 to 3 rad/s."""
-YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.25, 0.3, 0.3
-"""A quarter puts both poles of the heading at half the yaw gain; rad/s; rad of error within which it is summed."""
+YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.4, 0.3, 0.3
+"""Of the square of the yaw gain (a quarter would put both poles of the heading at half the gain); rad/s; rad of error
+within which it is summed."""
 YAW_SHARE, YAW_ROOM_MIN = 0.2, 0.05
 """Of the motors' range that 1 rad/s of yaw rate error takes (MC_YAWRATE_P); rad/s that are always left to yaw."""
 SLOPE_OVER = 0.05
@@ -52,7 +55,8 @@ LEVEL_GAIN, LEVEL_RATE_MAX = 3.0, 2.0
 class RateMemory(NamedTuple):
     """``state``: the last one, with ``observed`` and ``inner`` at its stamp. ``sent``: the commands that act at or
     after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the last command met a limit.
-    ``yaw_sum``: rad/s, what a heading error that stays has added up to."""
+    ``yaw_sum``: rad/s, what a heading error that stays has added up to. ``pace``: see there. ``moving``: whether it was
+    told to fly somewhere."""
 
     state: VehicleState
     observed: Observed
@@ -62,6 +66,7 @@ class RateMemory(NamedTuple):
     limited: bool = False
     yaw_sum: float = 0.0
     pace: Pace = Pace()
+    moving: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +125,9 @@ class RateSteering:
         command = self._asked(flying, aim)
         per_lift = vehicle.mass * belief.kappa
         highest = min(self.range.high, most_lift * vehicle.mass)
-        later, slope, bound = self.range.integrated(zeta, command.zeta_derivative, dt, highest)
+        # a vehicle that is held learns nothing and must not wind up, neither here nor in its own rate loop
+        stuck = memory.observed.stuck
+        later, slope, bound = self.range.integrated(zeta, 0.0 if stuck else command.zeta_derivative, dt, highest)
         p, q, r = command.turn
         yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
         r += (YAW_LEAD - lag) * self._yaw_slope(flying, command, aim) - memory.inner.yaw_trim - yaw_sum
@@ -128,7 +135,7 @@ class RateSteering:
         room = max(YAW_ROOM_MIN, (THRUST_MAX - zeta / (vehicle.mass * most_lift) * THRUST_MAX) / YAW_SHARE)
         turning = there.w_b[2] - memory.inner.yaw_trim
         r = min(max(r, turning - room), turning + room)
-        rates, clipped = self._clipped((p, q, r))
+        rates, clipped = self._clipped((0.0, 0.0, 0.0) if stuck else (p, q, r))
         # thrust answers sooner than the rates do
         lift = (zeta + slope * (half - (lag - self.response.motor_lag))) / per_lift
         wanted = lift * self.hover_thrust / vehicle.gravity
@@ -138,7 +145,8 @@ class RateSteering:
         sent = (*memory.sent, Sent(state.t_boot + acts_after, rates, lift))
         limited = bound or clipped or thrust != wanted
         after = memory._replace(
-            sent=sent, zeta=later, yaw_sum=yaw_sum, pace=pace, limited=limited or thrust > STRAINED
+            sent=sent, zeta=later, yaw_sum=yaw_sum, pace=pace, limited=limited or thrust > STRAINED,
+            moving=isinstance(aim, Along) and abs(command.alpha * aim.ramp.factor) > MOVING,
         )  # fmt: skip
         return Steered(
             setpoint=self.encoding.setpoint(rates, thrust, q_nb),
@@ -229,7 +237,7 @@ class RateSteering:
         lift_n = (half * (old[2] + new[2]), half * (old[5] + new[5]), half * (old[8] + new[8]))
         known = observed(
             memory.observed, gap, lift_n, self.vehicle.gravity, state.p_n, state.v_n,
-            limited=memory.limited, jumped=state.resets != before.resets,
+            limited=memory.limited, jumped=state.resets != before.resets, moving=memory.moving,
         )  # fmt: skip
         sent = memory.sent
         past = 0

@@ -1,0 +1,92 @@
+"""Many seeded flights outdoors with a machine that is not as its file says: how far off the path, how many lost.
+
+Each flight draws, from its seed: mass +-20 %, inertia +-30 %, motor lag 15-60 ms, link delay 0-50 ms there and back,
+and a path (circle r 5 at 3 or 6 m/s, figure-eight at 3 m/s). The vehicle file stays as it is: nothing of this is told.
+
+    python -m bench.robustness [flights] [first seed]
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import random
+import sys
+from typing import NamedTuple
+
+from bench.measured import Measured, course, machine, measured, world
+from companion.vehicle import OutputLevel
+from companion.world import Deviations, Link
+
+COURSES = (("circle_r5", 3.0), ("circle_r5", 6.0), ("figure8", 3.0))
+
+
+class Drawn(NamedTuple):
+    """One flight's chances. ``delay``: s there and back."""
+
+    mission: str
+    speed: float
+    truth: Deviations
+    delay: float
+
+
+def drawn(seed: int) -> Drawn:
+    """What a seed brings."""
+    rng = random.Random(f"robustness {seed}")
+    vehicle = machine("x500")
+    jx, jy, jz = vehicle.inertia
+    factor = rng.uniform(0.7, 1.3)
+    truth = Deviations(
+        mass=vehicle.mass * rng.uniform(0.8, 1.2),
+        inertia=(jx * factor, jy * factor, jz * factor),
+        motor_lag=rng.uniform(0.015, 0.06),
+    )
+    mission, speed = COURSES[seed % len(COURSES)]
+    return Drawn(mission, speed, truth, rng.uniform(0.0, 0.05))
+
+
+def flown(seed: int, duration: float = 25.0, settle: float = 10.0) -> Measured:
+    """The flight of a seed."""
+    chance = drawn(seed)
+    outdoor = world("outdoor")
+    way = dataclasses.replace(outdoor.link.down, delay=0.5 * chance.delay, jitter=min(0.003, 0.5 * chance.delay))
+    where = dataclasses.replace(outdoor, truth=chance.truth, link=Link(way, way))
+    return measured(
+        course(chance.mission, chance.speed), machine("x500"), where, OutputLevel.RATES,
+        seed=seed, duration=duration, settle=settle,
+    )  # fmt: skip
+
+
+def main() -> None:
+    """Print a line a flight and the sum of it."""
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 20
+    first = int(sys.argv[2]) if len(sys.argv) > 2 else 0
+    paths, lost = [], 0
+    print("seed  path          mass   inertia  lag ms  delay ms | true path cm (max)  speed %  yaw deg")
+    for seed in range(first, first + count):
+        chance, result = drawn(seed), flown(seed)
+        truth = chance.truth
+        assert truth.mass is not None
+        assert truth.inertia is not None
+        assert truth.motor_lag is not None
+        told = (
+            f"{seed:4}  {chance.mission:9} {chance.speed:.0f}  {truth.mass / 2.0:5.2f}  {truth.inertia[2] / 0.04:6.2f}"
+            f"  {truth.motor_lag * 1e3:6.0f}  {chance.delay * 1e3:7.0f}"
+        )
+        if result.reason is not None or result.true is None:
+            lost += 1
+            print(f"{told} | LOST: {result.reason}", flush=True)
+            continue
+        true = result.true
+        paths.append(true.path * 100.0)
+        print(
+            f"{told} | {true.path * 100:8.2f} ({true.path_max * 100:5.1f})  {true.speed / chance.speed * 100:9.1f}"
+            f"  {math.degrees(true.yaw):7.2f}",
+            flush=True,
+        )
+    if paths:
+        print(f"worst {max(paths):.2f} cm, median {sorted(paths)[len(paths) // 2]:.2f} cm, lost {lost} of {count}")
+
+
+if __name__ == "__main__":
+    main()
