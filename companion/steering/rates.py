@@ -44,7 +44,7 @@ SLOPE_OVER = 0.05
 """s over which the slope of the yaw rate is taken."""
 STRAINED = 0.9
 """Normalised thrust above which single motors meet their limits and nothing is learned."""
-LEAN_MARGIN, LEAN_MOST = math.radians(5.0), math.radians(80.0)
+LEAN_MARGIN, LEAN_MOST = math.radians(2.0), math.radians(80.0)
 """rad: the steady lean of a path may be so much over the vehicle's limit, and stays so much under its failure detector.
 """
 GAP_MAX = 0.5
