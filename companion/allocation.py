@@ -69,6 +69,23 @@ class Allocation:
         return tuple(scaled)  # type: ignore[return-value]
 
     @cached_property
+    def _to_wrench(self) -> Matrix4:
+        """M with a command in the place of each motor torque."""
+        rows = (
+            tuple(
+                m * rotor.torque_per_thrust * rotor.thrust_max
+                for m, rotor in zip(row, self.vehicle.rotors, strict=True)
+            )
+            for row in mixing_matrix(self.vehicle)
+        )
+        return tuple(rows)  # type: ignore[return-value]
+
+    @cached_property
+    def thrust_max(self) -> float:
+        """N, all rotors at the top of their command range."""
+        return self.vehicle.thrust_max
+
+    @cached_property
     def _ranges(self) -> tuple[tuple[float, float], ...]:
         return tuple(rotor.command for rotor in self.vehicle.rotors)
 
@@ -82,14 +99,7 @@ class Allocation:
 
     def wrench(self, commands: Four) -> Four:
         """(thrust N, torques N m) of rotor commands."""
-        thrust = roll = pitch = yaw = 0.0
-        for rotor, command in zip(self.vehicle.rotors, commands, strict=True):
-            f = command * rotor.thrust_max
-            thrust += f
-            roll -= rotor.position_b[1] * f
-            pitch += rotor.position_b[0] * f
-            yaw += rotor.spin.reaction * rotor.torque_per_thrust * f
-        return (thrust, roll, pitch, yaw)
+        return _times(self._to_wrench, commands)
 
     def allocate(self, u: Four) -> Allocated:
         """Commands within their ranges, giving up yaw first, then thrust, then roll and pitch.

@@ -127,6 +127,8 @@ def _prepared(
         vehicle, world, seed=seed, direct=motors is Motors.DIRECT, start=start, landed=landed and start is None,
         endpoints=len(endpoints),
     )  # fmt: skip
+    if speed > 1.0:
+        bridge.autopilot.parameters.hurry(speed)
     record = None if truth is None else stack.enter_context(TruthFile(truth))
     after = None if record is None else lambda: record.append(bridge.truth, bridge.autopilot.commands)
     mixing = "motor commands taken" if bridge.direct else "motors mixed as in PX4"

@@ -199,6 +199,8 @@ ROWS: tuple[Row, ...] = (
     Row(_others, 0.0, Action.HAND_BACK, "stop the other companion"),
 )
 
+_BREACHED = tuple(row.breached for row in ROWS)
+
 Since = tuple[float | None, ...]
 """For each row since when (s) it is breached; None where it is not."""
 NOTHING_SINCE: Since = (None,) * len(ROWS)
@@ -217,10 +219,12 @@ NO_FAULT = Verdict(Action.NONE, None)
 
 def watched(since: Since, sight: Sight, limits: Limits, now: float) -> tuple[Since, Verdict]:
     """Look at every row: since when each is breached, and the verdict."""
+    reasons = [breached(sight, limits) for breached in _BREACHED]
+    if not any(reasons):
+        return NOTHING_SINCE, NO_FAULT
     later: list[float | None] = []
     worst = NO_FAULT
-    for row, begun in zip(ROWS, since, strict=True):
-        reason = row.breached(sight, limits)
+    for row, reason, begun in zip(ROWS, reasons, since, strict=True):
         start = None if reason is None else (now if begun is None else begun)
         later.append(start)
         if start is not None and now - start >= row.after and row.action > worst.action:

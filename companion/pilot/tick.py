@@ -41,7 +41,8 @@ def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Mem
     """One tick. ``now``: s, our monotonic clock."""
     memory = _noticed(plan, memory, seen, now)
     since, verdict = safety.watched(memory.since, sight(plan, memory, seen), plan.conduct.limits, now)
-    memory = memory._replace(since=since)
+    if since is not memory.since:
+        memory = memory._replace(since=since)
     notes: list[str] = []
     memory = _decided(plan, memory, seen, verdict, now, notes)
     steered, ramp, setpoint = None, STEADY, None
@@ -174,7 +175,9 @@ def _steered(plan: Plan, memory: Memory, seen: Observation) -> tuple[Memory, Ste
     if memory.phase not in (Phase.TAKE_OVER, Phase.REHEARSE) and memory.steered_at is not None:
         dt = min(max(state.t_boot - memory.steered_at, 0.0), DT_MAX)
     wanted = min(max(seen.speed_scale, 0.0), plan.conduct.speed_scale_max)
-    memory = memory._replace(scale=scaled(memory, wanted, dt))
+    scale = scaled(memory, wanted, dt)
+    if scale != memory.scale:
+        memory = memory._replace(scale=scale)
     aim, ramp = chosen(plan, memory)
     steered = plan.steering.steer(steering, state, dt, aim, seen.link_delay)
     return memory._replace(steering=steered.memory, steered=steered, steered_at=state.t_boot), steered, ramp

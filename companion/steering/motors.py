@@ -83,7 +83,7 @@ class MotorSteering:
             zeta_dot=later_dot,
             thrust_n=middle,
             saturated=bound or allocated.saturated,
-            thrust_share=middle / self.vehicle.thrust_max,
+            thrust_share=middle / self.allocation.thrust_max,
         )
 
     def level(self, state: VehicleState | None, memory: Extension | None = None) -> MotorSetpoint:
@@ -119,16 +119,18 @@ class MotorSteering:
 
 def _lagged(acting: Four, sent: Four, dt: float, lag: float) -> Four:
     """What rotors with a first-order ``lag`` (s) make ``dt`` later of what is sent."""
-    left = math.exp(-dt / lag) if lag > 0.0 else 0.0
-    a, b, c, d = (wanted + (now - wanted) * left for now, wanted in zip(acting, sent, strict=True))
-    return (a, b, c, d)
+    return _between(sent, acting, math.exp(-dt / lag) if lag > 0.0 else 0.0)
 
 
 def _mean(acting: Four, sent: Four, horizon: float, lag: float) -> Four:
     """The mean of it over ``horizon`` (s)."""
     share = lag / horizon * -math.expm1(-horizon / lag) if lag > 0.0 else 0.0
-    a, b, c, d = (wanted + (now - wanted) * share for now, wanted in zip(acting, sent, strict=True))
-    return (a, b, c, d)
+    return _between(sent, acting, share)
+
+
+def _between(a: Four, b: Four, share: float) -> Four:
+    (a1, a2, a3, a4), (b1, b2, b3, b4) = a, b
+    return (a1 + (b1 - a1) * share, a2 + (b2 - a2) * share, a3 + (b3 - a3) * share, a4 + (b4 - a4) * share)
 
 
 def motor_steering(law: Law, hold: HoldLaw, vehicle: Vehicle) -> MotorSteering:

@@ -248,8 +248,9 @@ class MissionFlight:
         heading = self._heading(item, now)
         if item.command == Command.LAND and not self.finished and self._place is not None:
             place = self._place
-            if self._arrived_at is None and math.hypot(now.p_n[0] - place[0], now.p_n[1] - place[1]) <= 1.0:
-                self._arrived_at = now.time_us * 1e-6
+            far = math.hypot(now.p_n[0] - place[0], now.p_n[1] - place[1])
+            if self._arrived_at is None and far <= self._parameters["NAV_ACC_RAD"]:
+                self._arrived_at, self.reached = now.time_us * 1e-6, self._store.current
             if self._arrived_at is None:  # across first, at the height it has
                 return Leg((place[0], place[1], min(place[2], self._crossing)), heading)
             return Leg(place, heading, lands=True)
