@@ -194,6 +194,7 @@ class Guidance:
             max(0.1, parameters["MPC_Z_V_AUTO_DN"]),
             max(0.1, parameters["MPC_ACC_HOR"]),
             max(0.1, parameters["MPC_JERK_AUTO"]),
+            max(0.1, parameters["MPC_ACC_UP_MAX"]),
         )
 
     def _led(self, pace: Pace, step: float) -> Reference:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-TAKEOFF_THROTTLE = 0.36
+TAKEOFF_THROTTLE = 0.30
 """Throttle over hover throttle from which a vehicle on the ground counts as taking off."""
 CONTACT_TIME = 1.25
 """s of standing on something, while asked to sink, until that is taken for the ground and the throttle is closed."""

@@ -12,13 +12,14 @@ from companion.frames import Vec3
 
 
 class Pace(NamedTuple):
-    """Limits of a reference, PX4's MPC_* defaults: m/s level, up and down; m/s^2; m/s^3."""
+    """Limits of a reference, PX4's MPC_* defaults: m/s level, up and down; m/s^2; m/s^3; m/s^2 to stop a climb."""
 
     cruise: float = 5.0
     climb: float = 3.0
     sink: float = 1.5
     acceleration: float = 3.0
     jerk: float = 4.0
+    lift: float = 4.0
 
 
 class Reference(NamedTuple):
@@ -41,7 +42,10 @@ def towards(reference: Reference, place: Vec3, pace: Pace, step: float) -> Refer
     dx, dy, dz = place[0] - x, place[1] - y, place[2] - z
     level = math.hypot(dx, dy)
     share = arrival_speed(level, pace.cruise, pace) / level if level > 0.0 else 0.0
-    vertical = arrival_speed(abs(dz), pace.sink if dz > 0.0 else pace.climb, pace)
+    if dz > 0.0:
+        vertical = arrival_speed(dz, pace.sink, pace)
+    else:
+        vertical = arrival_speed(-dz, pace.climb, pace._replace(acceleration=pace.lift))
     return along(reference, (dx * share, dy * share, math.copysign(vertical, dz)), pace, step)
 
 
