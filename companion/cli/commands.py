@@ -133,6 +133,9 @@ def fly(
         float | None, typer.Option(help="m above home that are kept. [default: 1, or less for a low path]")
     ] = None,
     ceiling: Annotated[float | None, typer.Option(help="m above home that are not exceeded.")] = None,
+    draw: Annotated[
+        bool, typer.Option("--draw", help="Upload the curve as mission items: it shows on the ground station's map.")
+    ] = False,
     duration: Duration = None,
     settle: Settle = 10.0,
     record: Record = None,
@@ -144,7 +147,7 @@ def fly(
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
     from companion.cli.check import looked_at
     from companion.cli.finish import Ending, refuse, say
-    from companion.cli.flying import Flight, manner
+    from companion.cli.flying import Flight, manner, most_speed_scale
     from companion.cli.flying import fly as fly_now
     from companion.cli.orders import Faults, read_sortie
     from companion.daemon.address import parsed
@@ -168,9 +171,10 @@ def fly(
         manner=manner(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
         finish=Finish.AS_BEGUN if finish is None else Finish(finish.value),
         limits=Limits(tube=tube, floor=floor, ceiling=ceiling),
+        speed_scale_max=most_speed_scale(found.speed_scale_max),
     )
     directory = record or new_directory(sortie.mission.name)
-    flight = Flight(sortie, directory, duration, Ending(json, settle), set_parameters, conduct)
+    flight = Flight(sortie, directory, duration, Ending(json, settle), set_parameters, conduct, draw)
     raise typer.Exit(fly_now(flight, open_port()))
 
 

@@ -17,6 +17,7 @@ from companion.mission import Origin
 from companion.record.folder import Recorder
 
 WAIT_FOR_VEHICLE = 10.0
+SPEED_SCALE_MAX = 1.5
 WORDS = {
     Manner.COMPANION: "Ctrl-C hands it back",
     Manner.PILOT: "the path is flown while the pilot has OFFBOARD selected",
@@ -35,6 +36,12 @@ class Flight:
     ending: Ending
     set_parameters: bool = False
     conduct: Conduct = field(default_factory=Conduct)
+    draw: bool = False
+
+
+def most_speed_scale(feasible: float) -> float:
+    """How far the speed may be raised in flight, where ``feasible`` is the largest factor that keeps every limit."""
+    return max(1.0, min(SPEED_SCALE_MAX, feasible))
 
 
 def manner(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial: bool) -> Manner:
@@ -60,6 +67,7 @@ def fly(flight: Flight, port: Port) -> int:
         auto=sortie.auto,
         set_parameters=flight.set_parameters,
         conduct=flight.conduct,
+        draw=flight.draw,
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
     say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.manner]}")

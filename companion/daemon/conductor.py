@@ -8,35 +8,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from companion import pilot
-from companion.daemon.conducting import conducted
-from companion.flight import output
-from companion.flight.conduct import Conduct, Manner
+from companion.daemon.ground import WANTED as GROUND_WANTED
+from companion.daemon.ground import GroundSide
+from companion.daemon.orders import Orders
+from companion.daemon.preparing import Preparation
 from companion.flight.phases import Phase, Request
 from companion.flight.situation import Answer, Reply
 from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
 from companion.mavlink import setpoints, telemetry
 from companion.mavlink.codec import Decoder
-from companion.mavlink.parameters import TUNING, Parameters
 from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
-from companion.mission import Mission, Origin
+from companion.mavlink.parameters import Parameters
 from companion.pilot import Memory, Observation, Outcome
-from companion.places.standing import NotKnownError, Whereabouts, placed
-from companion.places.words import place_words
-from companion.plan import Plan, prepared
+from companion.plan import Plan
 from companion.record.folder import Recorder
-from companion.vehicle import (
-    CompanionError,
-    Landed,
-    Mode,
-    OutputLevel,
-    Vehicle,
-    VehicleState,
-)
+from companion.vehicle import Mode, VehicleState
 
 COMMANDS = {
     Request.ARM: wire.ARM,
@@ -47,28 +37,10 @@ COMMANDS = {
     Request.LAND: wire.AUTO_LAND,
     Request.RETURN: wire.set_mode(Mode.RETURN),
 }
-PLACE_WITHIN = 30.0
-"""s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
-IDENTITY_WITHIN = 5.0
-"""s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
+__all__ = ["COMMANDS", "Conductor", "Orders", "Tick"]
+
 RATE_OVER = 0.5
 """s over which the rate of states is measured."""
-
-
-@dataclass(frozen=True)
-class Orders:
-    """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
-    be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
-    ``conduct``: how; what the vehicle says of itself is added to its limits."""
-
-    mission: Mission
-    vehicle: Vehicle
-    level: OutputLevel
-    duration: float | None
-    origin: Origin
-    auto: bool = False
-    set_parameters: bool = False
-    conduct: Conduct = field(default_factory=Conduct)
 
 
 class Tick(NamedTuple):
@@ -86,7 +58,6 @@ class Conductor:
 
     Doors: ``receive`` and ``on_timer`` take the time (s, monotonic); ``datagrams`` gives what is to be sent; ``sent``
     is told when that is done; ``next_timer`` says when to call again. ``notes``: lines for people, taken by the caller.
-    ``refusal``: why the flight was not even begun, in one sentence.
     """
 
     def __init__(self, orders: Orders, recorder: Recorder | None, now: float, *, stream: bool = False) -> None:
@@ -106,22 +77,20 @@ class Conductor:
         self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()
         self._frames: list[bytes] = []  # what came and went since the last ``sent``, for the record
-        self.decoder = Decoder(wanted=wire.WANTED | telemetry.WANTED | PARAMETERS_WANTED)
+        self.decoder = Decoder(wanted=wire.WANTED | telemetry.WANTED | PARAMETERS_WANTED | GROUND_WANTED)
         if recorder is not None:
             self.decoder.tap = self._frames.append
         self.plan: Plan | None = None
         self.memory: Memory | None = None
         self.notes: list[str] = []
-        self.refusal: str | None = None
+        self.ground = GroundSide(self.link.send, self.notes.append, orders.conduct.speed_scale_max)
         self.last: Tick | None = None
         self.states = 0
         self._count, self._counted_at = 0, now
         self._rate: float | None = None
         self._stream = stream
         self._stop = False
-        self._choice: output.Choice | None = None
-        self._changed: dict[str, float] = {}  # parameters set for the flight, and what they were
-        self._heard_at: float | None = None
+        self._preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes)
         self._wake_at = now
         self._pending: Tick | None = None
         self._recorder = recorder
@@ -130,7 +99,12 @@ class Conductor:
     @property
     def done(self) -> bool:
         """Whether there is nothing left to do."""
-        return self._over and not (self._changed and not self.parameters.settled)
+        return self._over and not (self._preparation.changed and not self.parameters.settled)
+
+    @property
+    def refusal(self) -> str | None:
+        """Why the flight was not even begun, in one sentence."""
+        return self._preparation.refusal
 
     @property
     def _over(self) -> bool:
@@ -154,11 +128,11 @@ class Conductor:
                 acknowledged = self.link.receive(frame, now)
                 if acknowledged is not None:
                     answer = self._answer(*acknowledged)
-                if self.link.of_vehicle(frame):
-                    if self._heard_at is None:
-                        self._heard_at = now
-                        if self.link.is_px4:
-                            self.parameters.ask(TUNING.values(), frame.system, now)
+                of_vehicle = self.link.of_vehicle(frame)
+                if frame.format.id in GROUND_WANTED and self.link.identity is not None:
+                    self.ground.receive(frame, self.link.identity.system, now, of_vehicle=of_vehicle)
+                elif of_vehicle:
+                    self._preparation.met(frame.system, now)
                     self.parameters.receive(frame)
                     arrived = self.telemetry.receive(frame)
                     if arrived is not None:
@@ -187,12 +161,13 @@ class Conductor:
         self._now = now
         self.link.on_timer(now)
         self.parameters.on_timer(now)
+        self.ground.on_timer(now)
         if now >= self._wake_at:
             self._tick(None, None, now)
 
     def next_timer(self) -> float:
         """When ``on_timer`` wants to be called."""
-        return min(self.link.next_timer(), self.parameters.next_timer(), self._wake_at)
+        return min(self.link.next_timer(), self.parameters.next_timer(), self.ground.next_timer(), self._wake_at)
 
     def datagrams(self) -> list[bytes]:
         """What is to be sent now, the setpoint first."""
@@ -217,8 +192,6 @@ class Conductor:
         self._wake_at = now + pilot.WAKE_AFTER
         if self.memory is None or self.plan is None:
             self._prepare(state, now)
-            if self._over:
-                self._restore(now)
             return  # making the plan took its time, and this state is no longer fresh
         seen = Observation(
             state,
@@ -229,6 +202,7 @@ class Conductor:
             self._rate,
             behind,
             self.link.companions(now),
+            self.ground.speed_scale,
         )
         before = self.memory
         self.memory, outcome = pilot.step(self.plan, before, seen, now)
@@ -240,97 +214,27 @@ class Conductor:
         self._wake_at = pilot.wake_at(self.memory, now)
         self.notes += outcome.notes
         self.last = self._pending = Tick(seen, self.memory, outcome, now, before)
+        self.ground.told(self.plan, self.memory, outcome, self.memory.first_fault is not None, now)
         if self._over:
-            self._restore(now)
+            self._preparation.restore(now)
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
         """Make the plan once the vehicle is known and has said where it is."""
+        preparation = self._preparation
         if self._stop:
-            self.refusal = "stopped by the user before the flight began"
-            return
-        identity = self.link.identity
-        if identity is None:
-            return
-        self.refusal = self._refusal(identity, now)
-        if self.refusal is not None or state is None:
-            return
-        if self.orders.level is OutputLevel.MOTORS and identity.direct_motors is None:
-            return
-        status = self.telemetry.status
-        if status.landed is None or status.armed is None or not (self.parameters.settled and self.link.is_set_up):
-            return
-        tuning = self.parameters.tuning()
-        orders = self.orders
-        try:
-            if self._choice is None:
-                self._choose(output.chosen(orders.level, tuning, auto=orders.auto, consent=orders.set_parameters), now)
-                if not self.parameters.settled:
-                    return
-            where = self._whereabouts(state)
-            mission = placed(orders.mission, orders.origin, where)
-            self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
-            origin = mission.placement.origin_n
-            stands_at = state.p_n if status.landed is Landed.ON_GROUND else None
-            conduct = conducted(orders.conduct, orders.vehicle, tuning, mission.table, where.home_n, stands_at)
-            self.plan = prepared(mission, orders.vehicle, self._level, origin, orders.duration, tuning, conduct)
-        except NotKnownError as error:
-            if now - (now if self._heard_at is None else self._heard_at) > PLACE_WITHIN:
-                self.refusal = str(error)
-            return
-        except CompanionError as error:
-            self.refusal = str(error)
+            preparation.refusal = "stopped by the user before the flight began"
+        else:
+            self.plan = preparation.plan(self.orders, state, now)
+        if preparation.refusal is not None:
+            preparation.restore(now)
+        if self.plan is None:
             return
         self.memory = pilot.begin(now)
         if self._recorder is not None:
             self._recorder.begin(self.plan, now)
-
-    def _whereabouts(self, state: VehicleState) -> Whereabouts:
-        home, origin = self.telemetry.home, self.telemetry.origin
-        return Whereabouts(
-            state.p_n,
-            self.telemetry.status.landed is Landed.ON_GROUND,
-            None if origin is None else LocalFrame(*origin),
-            None if home is None else home[:3],
-            None if home is None else home.p_n,
-        )
-
-    @property
-    def _level(self) -> OutputLevel:
-        return self.orders.level if self._choice is None else self._choice.level
-
-    def _choose(self, choice: output.Choice, now: float) -> None:
-        """Fly at a level, with the parameters it needs."""
-        self._choice = choice
-        self.notes.append(choice.why)
-        if self.orders.conduct.manner in (Manner.REHEARSAL, Manner.BENCH):
-            return  # nothing is commanded, nor set
-        for name, value in choice.settings:
-            was = self.parameters.value(name)
-            if was is not None:
-                self._changed[name] = was
-                self.parameters.change(name, value, now)
-
-    def _restore(self, now: float) -> None:
-        """Set back what was set for the flight."""
-        for name, was in self._changed.items():
-            self.parameters.change(name, was, now)
-            self.notes.append(f"{name} set back to {was:g}")
-
-    def _refusal(self, identity: wire.Identity, now: float) -> str | None:
-        if not self.link.is_px4:
-            return (
-                f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
-            )
-        if self.link.others:
-            systems = ", ".join(str(system) for system in sorted({identity.system, *self.link.others}))
-            return f"two autopilots speak on the link (systems {systems}); connect to the one that is to fly"
-        if self.orders.level is not OutputLevel.MOTORS:
-            return None
-        refused = output.motors_refused(self.orders.vehicle, identity.direct_motors)
-        heard = self._heard_at if self._heard_at is not None else now
-        if refused is None and identity.direct_motors is None and now - heard > IDENTITY_WITHIN:
-            return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
-        return refused
+        origin, identity = self.telemetry.origin, self.link.identity
+        if self.orders.draw and origin is not None and identity is not None:
+            self.ground.draw(self.plan, LocalFrame(*origin), identity.system)
 
     def _answer(self, command: wire.Command, result: int) -> Answer | None:
         for request, known in COMMANDS.items():

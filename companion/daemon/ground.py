@@ -1,0 +1,86 @@
+"""The companion as the ground station knows it: words, errors, a factor on the speed, the curve on the map."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from companion.flight.phases import FLOWN
+from companion.geodesy import LocalFrame
+from companion.mavlink.announcing import INFO, WARNING, Announcer
+from companion.mavlink.codec import Frame
+from companion.mavlink.dialect import Format, Value
+from companion.mavlink.link import ONBOARD_COMPUTER
+from companion.mavlink.own_parameters import WANTED as OWN_WANTED
+from companion.mavlink.own_parameters import Own, OwnParameters
+from companion.mavlink.upload import WANTED as UPLOAD_WANTED
+from companion.mavlink.upload import Place, Upload
+from companion.pilot import Memory, Outcome, yaw_error
+from companion.plan import Plan
+
+SPEED_SCALE = "PF_SPEED_SCALE"
+POINTS = 60
+"""Waypoints of a drawn curve."""
+WANTED = OWN_WANTED | UPLOAD_WANTED
+
+
+class GroundSide:
+    """``send`` queues a message, ``note`` takes a line for people."""
+
+    def __init__(
+        self, send: Callable[[Format, tuple[Value, ...]], None], note: Callable[[str], None], speed_scale_max: float
+    ) -> None:
+        self._send = send
+        self._note = note
+        self._announcer = Announcer(send)
+        self._own = OwnParameters(send, ONBOARD_COMPUTER, {SPEED_SCALE: Own(1.0, 0.0, speed_scale_max)})
+        self._upload: Upload | None = None
+
+    @property
+    def speed_scale(self) -> float:
+        """The factor on the mission's speed that is asked for."""
+        return self._own.named[SPEED_SCALE].value
+
+    def receive(self, frame: Frame, system: int, now: float, *, of_vehicle: bool) -> None:
+        """Take in what is meant for us: from a ground station through the vehicle, or from the vehicle itself."""
+        if not of_vehicle:
+            note = self._own.receive(frame, system)
+            if note is not None:
+                self._note(note)
+                self._announcer.say(note, now)
+        elif self._upload is not None:
+            before = self._upload.outcome
+            self._upload.receive(frame, now)
+            if self._upload.outcome is not None and before is None:
+                self._note(self._upload.outcome)
+
+    def draw(self, plan: Plan, frame: LocalFrame, system: int) -> None:
+        """Put the curve on the ground station's map."""
+        _, points = plan.table.samples(POINTS)
+        places = [Place(*frame.to_global((float(x), float(y), float(z)))) for x, y, z in points]
+        self._upload = Upload(self._send, places, system)
+
+    def told(self, plan: Plan, memory: Memory, outcome: Outcome, fault: bool, now: float) -> None:
+        """What a tick brought."""
+        for note in outcome.notes:
+            self._announcer.say(f"path: {note.split(' -> ')[-1]}", now, WARNING if fault else INFO)
+        steered, progress = outcome.steered, memory.progress
+        if steered is not None and progress is not None and memory.state is not None and memory.phase in FLOWN:
+            command = steered.command
+            wanted = command.alpha * outcome.ramp.factor
+            self._announcer.numbers(now, memory.state.t_boot, {
+                "pf_path": progress.path_error,
+                "pf_speed": command.speed - wanted,
+                "pf_yaw": math.degrees(yaw_error(steered)),
+            })  # fmt: skip
+
+    def on_timer(self, now: float) -> None:
+        """Send what is due."""
+        self._announcer.on_timer(now)
+        if self._upload is not None:
+            self._upload.on_timer(now)
+
+    def next_timer(self) -> float:
+        """When ``on_timer`` has something to do."""
+        upload = math.inf if self._upload is None else self._upload.next_timer()
+        return min(self._announcer.next_timer(), upload)

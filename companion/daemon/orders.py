@@ -1,0 +1,27 @@
+"""What is to be flown, as ordered before the vehicle is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from companion.flight.conduct import Conduct
+from companion.mission import Mission, Origin
+from companion.vehicle import OutputLevel, Vehicle
+
+
+@dataclass(frozen=True)
+class Orders:
+    """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
+    be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
+    ``conduct``: how; what the vehicle says of itself is added to its limits. ``draw``: the curve is uploaded as mission
+    items, for the ground station's map."""
+
+    mission: Mission
+    vehicle: Vehicle
+    level: OutputLevel
+    duration: float | None
+    origin: Origin
+    auto: bool = False
+    set_parameters: bool = False
+    conduct: Conduct = field(default_factory=Conduct)
+    draw: bool = False

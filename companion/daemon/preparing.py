@@ -1,0 +1,129 @@
+"""From orders and a vehicle that has made itself known to a plan, or to why it is not flown."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from companion.daemon.conducting import conducted
+from companion.daemon.orders import Orders
+from companion.flight import output
+from companion.flight.conduct import Manner
+from companion.geodesy import LocalFrame
+from companion.mavlink.link import Identity, Link
+from companion.mavlink.parameters import TUNING, Parameters
+from companion.mavlink.telemetry import Telemetry
+from companion.mission import Mission
+from companion.places.standing import NotKnownError, Whereabouts, placed
+from companion.places.words import place_words
+from companion.plan import Plan, prepared
+from companion.vehicle import CompanionError, Landed, OutputLevel, VehicleState
+
+PLACE_WITHIN = 30.0
+"""s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
+IDENTITY_WITHIN = 5.0
+"""s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
+
+
+@dataclass
+class Preparation:
+    """What is found out before a flight. ``notes``: lines for people. ``refusal``: why there will be none, in a
+    sentence. ``changed``: parameters set for the flight, and what they were. ``heard_at``: s, the first heartbeat."""
+
+    link: Link
+    telemetry: Telemetry
+    parameters: Parameters
+    notes: list[str]
+    refusal: str | None = None
+    changed: dict[str, float] = field(default_factory=dict)
+    heard_at: float | None = None
+    choice: output.Choice | None = None
+
+    def met(self, system: int, now: float) -> None:
+        """The vehicle was heard: the first time, ask for the parameters that matter."""
+        if self.heard_at is None:
+            self.heard_at = now
+            if self.link.is_px4:
+                self.parameters.ask(TUNING.values(), system, now)
+
+    def plan(self, orders: Orders, state: VehicleState | None, now: float) -> Plan | None:
+        """The plan once everything for it is known; until then None, and for good once there is a refusal."""
+        identity = self.link.identity
+        if identity is None or self.refusal is not None:
+            return None
+        self.refusal = self._refused(orders, identity, now)
+        if self.refusal is not None or state is None:
+            return None
+        status = self.telemetry.status
+        unknown = orders.level is OutputLevel.MOTORS and identity.direct_motors is None
+        asked = self.parameters.settled and self.link.is_set_up
+        if unknown or status.landed is None or status.armed is None or not asked:
+            return None
+        try:
+            return self._made(orders, state, now)
+        except NotKnownError as error:
+            if self._known_for(now) > PLACE_WITHIN:
+                self.refusal = str(error)
+        except CompanionError as error:
+            self.refusal = str(error)
+        return None
+
+    def restore(self, now: float) -> None:
+        """Set back what was set for the flight."""
+        for name, was in self.changed.items():
+            self.parameters.change(name, was, now)
+            self.notes.append(f"{name} set back to {was:g}")
+
+    def _made(self, orders: Orders, state: VehicleState, now: float) -> Plan | None:
+        tuning, vehicle = self.parameters.tuning(), orders.vehicle
+        if self.choice is None:
+            consent = orders.set_parameters
+            self.choice = output.chosen(orders.level, tuning, auto=orders.auto, consent=consent)
+            self._set(orders, self.choice, now)
+            if not self.parameters.settled:
+                return None
+        where = self._whereabouts(state)
+        mission: Mission = placed(orders.mission, orders.origin, where)
+        self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
+        stands_at = state.p_n if where.on_ground else None
+        conduct = conducted(orders.conduct, vehicle, tuning, mission.table, where.home_n, stands_at)
+        origin_n = mission.placement.origin_n
+        return prepared(mission, vehicle, self.choice.level, origin_n, orders.duration, tuning, conduct)
+
+    def _whereabouts(self, state: VehicleState) -> Whereabouts:
+        home, origin = self.telemetry.home, self.telemetry.origin
+        return Whereabouts(
+            state.p_n,
+            self.telemetry.status.landed is Landed.ON_GROUND,
+            None if origin is None else LocalFrame(*origin),
+            None if home is None else home[:3],
+            None if home is None else home.p_n,
+        )
+
+    def _set(self, orders: Orders, choice: output.Choice, now: float) -> None:
+        """Set the parameters that a level needs."""
+        self.notes.append(choice.why)
+        if orders.conduct.manner in (Manner.REHEARSAL, Manner.BENCH):
+            return  # nothing is commanded, nor set
+        for name, value in choice.settings:
+            was = self.parameters.value(name)
+            if was is not None:
+                self.changed[name] = was
+                self.parameters.change(name, value, now)
+
+    def _refused(self, orders: Orders, identity: Identity, now: float) -> str | None:
+        if not self.link.is_px4:
+            return (
+                f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
+            )
+        if self.link.others:
+            systems = ", ".join(str(system) for system in sorted({identity.system, *self.link.others}))
+            return f"two autopilots speak on the link (systems {systems}); connect to the one that is to fly"
+        if orders.level is not OutputLevel.MOTORS:
+            return None
+        refused = output.motors_refused(orders.vehicle, identity.direct_motors)
+        if refused is None and identity.direct_motors is None and self._known_for(now) > IDENTITY_WITHIN:
+            return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
+        return refused
+
+    def _known_for(self, now: float) -> float:
+        return 0.0 if self.heard_at is None else now - self.heard_at

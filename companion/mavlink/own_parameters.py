@@ -1,0 +1,68 @@
+"""Our own parameters, as a component of the vehicle: a ground station shows them and sets them in flight.
+
+MAVLink's parameter protocol, the other side of it; every value is a real number within its range.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from companion.mavlink.codec import Frame
+from companion.mavlink.dialect import Format, Value, message
+
+LIST, READ, SET = message("PARAM_REQUEST_LIST"), message("PARAM_REQUEST_READ"), message("PARAM_SET")
+VALUE = message("PARAM_VALUE")
+WANTED = frozenset({LIST.id, READ.id, SET.id})
+REAL32 = 9
+EVERYBODY = 0
+
+
+@dataclass
+class Own:
+    """One parameter: its value and the range it may be set to. A value out of range becomes the nearest within."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass
+class OwnParameters:
+    """What component ``component`` offers under ``names`` (16 characters at most). ``send`` queues a message."""
+
+    send: Callable[[Format, tuple[Value, ...]], None]
+    component: int
+    named: dict[str, Own] = field(default_factory=dict)
+
+    def receive(self, frame: Frame, system: int) -> str | None:
+        """Answer a frame that is meant for us, ``system`` being our vehicle's. A line for people where one was set."""
+        if frame.format.id not in WANTED:
+            return None
+        told = frame.format.named(frame.values)
+        if told["target_system"] != system or told["target_component"] not in (self.component, EVERYBODY):
+            return None
+        if frame.format is LIST:
+            for name in self.named:
+                self._tell(name)
+            return None
+        name = told["param_id"]
+        if frame.format is READ and 0 <= told["param_index"] < len(self.named):
+            name = list(self.named)[told["param_index"]]
+        own = self.named.get(name)
+        if own is None:
+            return None
+        note = None
+        if frame.format is SET and math.isfinite(told["param_value"]):
+            own.value = min(max(told["param_value"], own.low), own.high)
+            note = f"{name} set to {own.value:g} by the ground station"
+        self._tell(name)
+        return note
+
+    def _tell(self, name: str) -> None:
+        index = list(self.named).index(name)
+        self.send(VALUE, VALUE.values(
+            param_value=self.named[name].value, param_count=len(self.named), param_index=index, param_id=name,
+            param_type=REAL32,
+        ))  # fmt: skip
