@@ -94,6 +94,7 @@ class Plant:
         self._thrusts = OFF
         self._a_n: Vec3 = STILL
         self._on_ground = True
+        self._truth: Truth | None = None
 
     def fly(self, p_n: Vec3, v_n: Vec3, q_nb: Quaternion, w_b: Vec3, thrusts: Four) -> None:
         """Put the vehicle in the air. Where that is not above the ground plane, there is no ground."""
@@ -102,6 +103,7 @@ class Plant:
         self._a_n = STILL
         self._on_ground = False
         self._has_ground = p_n[2] < 0.0
+        self._truth = None
 
     def thrusts_of(self, commands: Four) -> Four:
         """The thrusts (N) that motor commands lead to in the end."""
@@ -117,6 +119,11 @@ class Plant:
     @property
     def truth(self) -> Truth:
         """The true state now."""
+        if self._truth is None:
+            self._truth = self._state()
+        return self._truth
+
+    def _state(self) -> Truth:
         pn, pe, pd, vn, ve, vd, w, x, y, z, p, q, r = self._motion
         t = self.steps / self.steps_per_second
         return Truth(t, (pn, pe, pd), (vn, ve, vd), self._a_n, (w, x, y, z), (p, q, r), self._thrusts, self._on_ground)
@@ -130,6 +137,7 @@ class Plant:
         thrusts = self._course(self._thrusts, wanted)
         motion = self._motion
         self.steps += 1
+        self._truth = None
         self._thrusts = thrusts[2]
         wind_n = self.wind_n if self._gusts is None else self._gusty_wind()
         if self.cells is not None:

@@ -123,15 +123,16 @@ class Autopilot:
     def control(self) -> Four | None:
         """The motor commands for the coming step, from the last estimate; None: motors off."""
         now, commander, cascade = self.estimate, self.commander, self.cascade
-        if not commander.armed or commander.mode is Mode.TERMINATION:
+        mode = commander.mode
+        if not commander.armed or mode is Mode.TERMINATION:
             self._flown = self.demand = None
             cascade.stop(now)
             return None
-        if commander.mode is not self._flown:
-            self._enter(commander.mode)
-        if commander.mode is Mode.OFFBOARD:
+        if mode is not self._flown:
+            self._enter(mode)
+        if mode is Mode.OFFBOARD:
             return self._fly_offboard(now)
-        if commander.mode in MANUAL:
+        if mode in MANUAL:
             return self._fly_by_stick(now)
         if cascade.wants_target:
             on_ground = commander.landed or (self.guidance.is_taking_off and self._stands)

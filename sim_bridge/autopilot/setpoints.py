@@ -6,7 +6,7 @@ A number that is not finite is no demand where PX4 knows such a thing (a body ra
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from companion.frames import Quaternion
 from companion.mavlink.dialect import Value, message
@@ -40,23 +40,20 @@ RATE_MOST = 100.0
 THRUST_MOST = 10.0
 
 
-@dataclass(frozen=True, slots=True)
-class MotorDemand:
+class MotorDemand(NamedTuple):
     """Motor commands in the rotors' own units."""
 
     commands: Four
 
 
-@dataclass(frozen=True, slots=True)
-class RateDemand:
+class RateDemand(NamedTuple):
     """Body rates (rad/s) and normalised thrust (up)."""
 
     rates: RatesWanted
     thrust: float
 
 
-@dataclass(frozen=True, slots=True)
-class AttitudeDemand:
+class AttitudeDemand(NamedTuple):
     """Attitude (body to world), normalised thrust (up), and the rate the heading turns at (rad/s)."""
 
     q_nb: Quaternion
@@ -103,4 +100,6 @@ def actuator_controls(values: tuple[Value, ...]) -> MotorDemand | None:
 
 
 def _rate(value: float) -> float | None:
-    return max(-RATE_MOST, min(RATE_MOST, value)) if math.isfinite(value) else None
+    if -RATE_MOST <= value <= RATE_MOST:
+        return value
+    return math.copysign(RATE_MOST, value) if math.isfinite(value) else None

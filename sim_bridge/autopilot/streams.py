@@ -111,9 +111,10 @@ class Streams:
     def again(self, msgid: int, sent: bool) -> None:
         """A message that was due has been sent, or had nothing to say: when it is next."""
         stream = self._streams[msgid]
+        now_us = self._now
         # From the time it was due, so that the mean rate is right; not to catch up on what a source cannot give.
-        due_us = stream.due_us + stream.interval_us if sent else self._now + RETRY_US
-        self._schedule(msgid, stream, due_us if due_us > self._now else self._now + 1)
+        due_us = stream.due_us + stream.interval_us if sent else now_us + RETRY_US
+        self._schedule(msgid, stream, due_us if due_us > now_us else now_us + 1)
 
     def _schedule(self, msgid: int, stream: Stream, due_us: int) -> None:
         """Queue the next sending, at the first step after the source's first renewal that is not before ``due_us``."""

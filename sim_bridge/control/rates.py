@@ -60,11 +60,11 @@ def gains_for(vehicle: Vehicle, mixer: Mixer) -> RateGains:
 class Axis:
     """The controller of one axis. Rates in rad/s, torque in units of the mixer's 1, the step in s."""
 
-    __slots__ = ("_d", "_gyro", "_i", "_last", "_p", "_per_step", "_step", "_turning", "integral")
+    __slots__ = ("_d", "_gyro", "_i_step", "_last", "_p", "_per_step", "_turning", "integral")
 
     def __init__(self, proportional: float, integral: float, derivative: float, step: float) -> None:
-        self._p, self._i, self._d = proportional, integral, derivative
-        self._step, self._per_step = step, 1.0 / step
+        self._p, self._i_step, self._d = proportional, integral * step, derivative
+        self._per_step = 1.0 / step
         self._gyro = ButterworthLowPass(GYRO_CUTOFF, step)
         self._turning = ButterworthLowPass(DERIVATIVE_CUTOFF, step)
         self._last = 0.0
@@ -88,8 +88,10 @@ class Axis:
             share = error * FULL_INTEGRATION
             share = 1.0 - share * share
             if share > 0.0:
-                grown = self.integral + share * self._i * error * self._step
-                self.integral = max(-INTEGRAL_MAX, min(INTEGRAL_MAX, grown))
+                grown = self.integral + share * self._i_step * error
+                if not -INTEGRAL_MAX <= grown <= INTEGRAL_MAX:
+                    grown = math.copysign(INTEGRAL_MAX, grown)
+                self.integral = grown
         return torque
 
 
