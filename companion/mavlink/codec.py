@@ -7,6 +7,7 @@ not swallow the good frame behind it. What cannot be decoded is counted, never r
 from __future__ import annotations
 
 import re
+import struct
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -168,6 +169,11 @@ def _crc_fits(fmt: Format, data: bytes, start: int, check: int) -> bool:
     return crc == data[check] | data[check + 1] << 8
 
 
+_HEAD = struct.Struct("<6BHB").pack
+"""Length, two bytes of flags, sequence, system, component, message id in three bytes."""
+_CRC = struct.Struct("<H").pack
+
+
 @dataclass(slots=True)
 class Encoder:
     """Frames messages as one MAVLink component: MAVLink 2, unsigned, sequence numbers counted here."""
@@ -179,15 +185,10 @@ class Encoder:
     def encode(self, fmt: Format, values: tuple[Value, ...]) -> bytes:
         """The frame of ``values`` (flat, wire order), its trailing zero bytes cut. struct.error: it does not fit."""
         payload = fmt.pack(*values).rstrip(b"\0") or b"\0"
-        body = bytes(
-            (
-                len(payload), 0, 0, self.sequence, self.system, self.component,
-                fmt.id & 0xFF, fmt.id >> 8 & 0xFF, fmt.id >> 16,
-            )
-        ) + payload  # fmt: skip
-        self.sequence = (self.sequence + 1) & 0xFF
-        crc = mcrf4xx(fmt.crc_extra_byte, mcrf4xx(body))
-        return b"\xfd" + body + bytes((crc & 0xFF, crc >> 8))
+        sequence, msgid = self.sequence, fmt.id
+        self.sequence = sequence + 1 & 0xFF
+        body = _HEAD(len(payload), 0, 0, sequence, self.system, self.component, msgid & 0xFFFF, msgid >> 16) + payload
+        return b"\xfd" + body + _CRC(mcrf4xx(fmt.crc_extra_byte, mcrf4xx(body)))
 
     def message(self, fmt: Format, **fields: Value) -> bytes:
         """The frame of a message given by field names; fields left out are zero. Not for the hot path."""
