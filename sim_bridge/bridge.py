@@ -28,6 +28,8 @@ from sim_bridge.sensors import Sensors, exact
 
 FAST_STATE = 250.0
 """Hz. A vehicle that is asked for its state more often than this steps at 1 ms instead of PX4's 4 ms."""
+TEXTS, TEXTS_PERIOD = 8, 0.1
+"""How many texts are told in so many s; what somebody provokes beyond is dropped, as by PX4's queue."""
 HOVER = Start.hover((0.0, 0.0, -10.0))
 
 
@@ -91,6 +93,7 @@ class Bridge:
         self._leaving: list[tuple[int, bytes]] = []
         self.log: list[str] = []
         self._noted = ("", 0.0)
+        self._texts_left, self._tell_again_at = TEXTS, 0.0
         self._logged = self.autopilot.commander.mode
 
     @property
@@ -208,8 +211,12 @@ class Bridge:
         if commander.texts:
             for text in commander.texts:
                 self._note(text.text.rstrip("\t"))
-                for link in self.links:
-                    link.say(text)
+                if self.now >= self._tell_again_at:
+                    self._texts_left, self._tell_again_at = TEXTS, self.now + TEXTS_PERIOD
+                if self._texts_left > 0:
+                    self._texts_left -= 1
+                    for link in self.links:
+                        link.say(text)
             commander.texts.clear()
         if commander.mode is not self._logged:
             self._logged = commander.mode
