@@ -7,11 +7,12 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
-from sim_bridge.autopilot import parameter_link, position_setpoints
+from sim_bridge.autopilot import file_link, parameter_link, position_setpoints
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import Result, Severity, Text
 from sim_bridge.autopilot.commands import SET_MODE, Command, execute, is_integer_max, place_given, set_mode, stray
 from sim_bridge.autopilot.commands.parts import GROUND_STATION_COMPONENT
+from sim_bridge.autopilot.file_link import FileLink
 from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
 from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
 from sim_bridge.autopilot.missions.protocol import MissionLink
@@ -84,6 +85,7 @@ class Link:
             MANUAL_CONTROL.id: self._manual_control,
             position_setpoints.LOCAL.id: self._local_target,
             position_setpoints.GLOBAL.id: self._global_target,
+            file_link.FTP.id: FileLink(SYSTEM, self.emit).request,
             parameter_link.READ.id: self._parameters.read,
             parameter_link.LIST.id: self._parameters.list,
             parameter_link.SET.id: self._parameters.set,
