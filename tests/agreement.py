@@ -16,7 +16,7 @@ from companion.config.mission import mission_from
 from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.report import Report, check
 from companion.flight.phases import Phase
-from companion.frames import rotation_matrix, tilt, wrap
+from companion.frames import Vec3, rotation_matrix, tilt, wrap
 from companion.mission import Mission, Origin
 from companion.plan import law_level
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle
@@ -40,9 +40,12 @@ class Extremes(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """A settled lap: the extremes of the true state, and the largest errors: m, share of alpha, rad. ``time``: s."""
+    """A settled lap: the extremes of the true state, and the largest errors: m, share of alpha, rad. ``time``: s.
+    ``rates``: the largest body rates, rad/s; ``speed``: the largest speed, m/s."""
 
     extremes: Extremes
+    rates: Vec3
+    speed: float
     path_error: float
     speed_error: float
     yaw_error: float
@@ -157,7 +160,9 @@ def flown(report: Report, level: OutputLevel, settle: float = SETTLE, laps: floa
         if truth.t_boot - memory.follow_from < settle:
             return
         shares = [f * k for f, k in zip(truth.rotor_thrusts, tops, strict=True)]
-        rows.append((truth.thrust, tilt(rotation_matrix(truth.q_nb)), min(shares), max(shares), truth.t_boot))
+        tilted = tilt(rotation_matrix(truth.q_nb))
+        fast = (*map(abs, truth.w_b), math.hypot(*truth.v_n))
+        rows.append((truth.thrust, tilted, min(shares), max(shares), truth.t_boot, *fast))
         if len(rows) % 5 == 1:
             if not errors and memory.progress is not None:
                 near[0] = memory.progress.s
@@ -171,7 +176,8 @@ def flown(report: Report, level: OutputLevel, settle: float = SETTLE, laps: floa
     fly(conductor, bridge, watch, 60.0 + 2.0 * duration)
     assert conductor.refusal is None, conductor.refusal
     assert rows, conductor.notes
-    thrust, tilted, least, most, t = (np.array(column) for column in zip(*rows, strict=True))
+    thrust, tilted, least, most, t, p, q, r, v = (np.array(column) for column in zip(*rows, strict=True))
     e, speed, yaw = (float(max(column)) for column in zip(*errors, strict=True))
     extremes = Extremes(thrust.min(), thrust.max(), tilted.max(), least.min(), most.max())
-    return Flown(Extremes(*map(float, extremes)), e, speed, yaw, float(t[-1] - t[0]))
+    rates = (float(p.max()), float(q.max()), float(r.max()))
+    return Flown(Extremes(*map(float, extremes)), rates, float(v.max()), e, speed, yaw, float(t[-1] - t[0]))

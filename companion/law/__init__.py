@@ -33,12 +33,26 @@ Equation -> function -> test
     Eq. 10                 (the closed loop)                          test_closed_loop.test_errors_are_linear_and_..
     Lambda, eta (IV.B)     paths.arc.ArcTable, paths.tracing          test_tracing, test_closed_loop
     Eq. 11, Lemma 4.4      reference.reference                        test_closed_loop.test_lemma_4_4
+    Prop. 4.2, Remark 4.3  feasibility.report                         test_check.test_the_papers_cases
     Theorem 4.5            (the poles are in the left half plane)     config.mission, test_mission_files
     Section V              configs/missions/paper_case1, paper_case2  test_closed_loop, test_paper_cases
 
 The level of rates is the same design one order earlier: inputs (zeta_dot, p, q, r), one integrator, relative degree
 {3, 3, 2, 1}, det D3 = -zeta^2 cos(phi)/(m^3 cos(theta)) (grad h1 x grad h2) . mu, the same singular set, the same
 one-dimensional path following manifold.
+
+Paths beyond the paper's (closest): a curve given by a parametrisation, with the errors taken at its closest point, and
+speed and yaw over arc length. On a closed C^4 curve inside the tube Q > 0 (the distance to the evolute: path_radius_m
+of `check`) the outputs are smooth, the relative degree and det D are those of Lemma 4.1 with h1, h2 distances in a
+parallel-transport frame, and Prop. 4.2 to Theorem 4.5 go through. They do not cover
+    - an open path: C is no Jordan curve, Gamma* is an arc and no compact manifold without boundary, so Lemma 4.4's
+      diffeomorphism onto S^1 and the last step of Theorem 4.5 (no finite escape, eta in S^1) hold only until its end is
+      reached, which is after length/min |alpha| at the latest. The ends are phases of the flight, not of the law.
+    - a path that crosses itself: p is no function of X near the crossing. The closest point is followed from the last
+      one (paths.curve), so eta is a state and not an output; on the branch that is flown the proof is as before.
+    - rounded corners and splines: C^4 only (C^3 at rates), not smooth; no more is differentiated anywhere.
+    - an implicit path with speed or yaw over arc length: off the path s' = mu . V is arc length to first order in the
+      distance (implicit.arc_along); on the path following manifold it is exact, so the linearisation there is too.
 
 What is wrong in the paper, and what is used here
     1. det D has a factor d^3 too many for its own model, where u2..u4 are torques. Used: without it.
@@ -57,6 +71,6 @@ What is wrong in the paper, and what is used here
         V = (-1, 0, 0) at (0, 10) flies backwards, mu . V = -1.
 
 Where we depart from it, because a machine has limits: errors are saturated (feedback.Bounds), zeta and zeta_dot are
-bounded (steering.thrust), linear drag enters A, J and S (motion), and the law is evaluated where its command acts, half
-a step ahead (steering.motors).
+bounded (steering.thrust), linear drag enters A, J and S (motion), and the law is evaluated where its command acts: half
+a step and the rotors' lag ahead (steering.motors).
 """
