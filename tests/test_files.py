@@ -183,6 +183,8 @@ def test_what_is_no_mission_at_all(text: str) -> None:
         ("mass_kg: 2.0", "mass_kg: 4", "mass_kg", "rotors lift"),
         ("[0.02, 0.02, 0.04]", "[0.02, 0.02, 0.5]", "inertia_kgm2", "no rigid body"),
         ("[0.02, 0.02, 0.04]", "[0.02, 0.02]", "inertia_kgm2", "at least 3"),
+        ("[0.02, 0.02, 0.04]", "[200, 200, 400]", "inertia_kgm2[0]", "is this in another unit?"),
+        ("[0.02, 0.02, 0.04]", "[2e-5, 2e-5, 4e-5]", "inertia_kgm2[0]", "is this in another unit?"),
         ("[0.17, 0.17, 0.0], spin: ccw", "[170, 170, 0], spin: ccw", "rotors[0].position_m[0]", "in m"),
         ("[0.17, 0.17, 0.0], spin: ccw", "[0.17, 0.17, 0.0], spin: left", "rotors[0].spin", "'ccw' or 'cw'"),
         ("name: test", "name: test\nlimits: {tilt_deg: 0.78}", "limits.tilt_deg", "radians"),
@@ -200,6 +202,8 @@ def test_faults_of_a_vehicle(old: str, new: str, key: str, said: str) -> None:
     assert text != VEHICLE
     faults = vehicle_faults(text)
     assert any(f": {key}: " in fault and said in fault for fault in faults), faults
+    named = [fault.split(": ")[1] for fault in faults]
+    assert len(set(named)) == len(named), faults  # one line a fault, whatever else a value might have been
 
 
 def test_origins_frames_and_yaws() -> None:

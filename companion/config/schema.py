@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import typing
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -33,7 +34,26 @@ def validate(document: Document, model: type[M]) -> M:
     try:
         return model.model_validate(document.data)
     except ValidationError as error:
-        raise ConfigError([_fault(document, model, details) for details in error.errors()]) from None
+        raise ConfigError([_fault(document, model, details) for details in _once(document, error.errors())]) from None
+
+
+_OF_ANOTHER_KIND = frozenset({"literal_error", "string_type", "float_type", "list_type", "model_type", "dict_type"})
+"""What a value that may be of several kinds is told of those it is not of."""
+
+
+def _once(document: Document, errors: Sequence[ErrorDetails]) -> list[ErrorDetails]:
+    """One error a value: of what a value may be, the kind that it nearly is."""
+    keyed = [(_key_in(document, details["loc"], details["type"] == "missing"), details) for details in errors]
+    kept: dict[Key, ErrorDetails] = {}
+    rest = []
+    for key, details in keyed:
+        if details["type"] not in _OF_ANOTHER_KIND:
+            rest.append(details)
+        elif not any(other[: len(key)] == key and d["type"] not in _OF_ANOTHER_KIND for other, d in keyed) and (
+            key not in kept or (details["type"] == "literal_error") is isinstance(details["input"], str)
+        ):
+            kept[key] = details
+    return [*rest, *kept.values()]
 
 
 def _some_keys(model: type[BaseModel]) -> str:

@@ -107,6 +107,10 @@ class VehicleModel(Strict):
         return inertia
 
 
+GYRATION_MIN, GYRATION_MAX = 0.03, 15.0
+"""Radii of gyration that a machine may have, in units of its longest arm."""
+
+
 def load_vehicle(name: str) -> Vehicle:
     """The vehicle of a name in configs/vehicles or a path. ConfigError with every fault."""
     path = find(name, "vehicles")
@@ -121,6 +125,16 @@ def vehicle_from(document: Document) -> Vehicle:
     if thrust < 1.1 * weight:
         message = f"weighs {weight:.4g} N but the rotors lift {thrust:.4g} N at most; expected a tenth to spare"
         raise ConfigError([document.fault(("mass_kg",), message)])
+    arm = max(math.hypot(*rotor.position_m) for rotor in model.rotors)
+    for i, inertia in enumerate(model.inertia_kgm2):
+        # the radius of a ring of the vehicle's mass that has this inertia; the paper's own machine is at 8 arms
+        radius = math.sqrt(inertia / model.mass_kg)
+        if not GYRATION_MIN * arm < radius < GYRATION_MAX * arm:
+            message = (
+                f"{inertia:g} is that of {model.mass_kg:g} kg at {radius:.2g} m from the axis, and rotors at {arm:.2g}"
+                "; expected kg m^2, is this in another unit?"
+            )
+            raise ConfigError([document.fault(("inertia_kgm2", i), message)])
     limits = None
     if isinstance(model.limits, LimitsModel):
         roll, pitch, yaw = map(math.radians, model.limits.body_rate_dps)
