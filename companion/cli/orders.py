@@ -73,7 +73,7 @@ def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, 
     faults = Faults()
     mission_text = faults.collect(lambda: _source(mission_name, "missions"))
     named = vehicle_name or (None if mission_text is None else _own_vehicle(mission_text)) or DEFAULT_VEHICLE
-    vehicle_text = faults.collect(lambda: _source(named, "vehicles"))
+    vehicle_text = faults.collect(lambda: _vehicle_source(named, vehicle_name, mission_text))
     vehicle = None
     if vehicle_text is not None:
         vehicle = faults.collect(lambda: vehicle_from(parse(vehicle_text.text, vehicle_text.name)))
@@ -117,6 +117,18 @@ def _source(name: str, kind: str) -> Source:
         return Source(str(path), mission_text(path), (path.name, read(path)))
     text = read(path)
     return Source(str(path), text, attached(text, str(path)) if kind == "missions" else None)
+
+
+def _vehicle_source(name: str, asked_for: str | None, mission: Source | None) -> Source:
+    """The vehicle's file. Where the mission file names one that is not there, the fault is the mission's."""
+    try:
+        return _source(name, "vehicles")
+    except ConfigError as error:
+        if asked_for is not None or mission is None or name == DEFAULT_VEHICLE:
+            raise
+        document = parsed(mission.text, mission.name)
+        said = [document.fault(("vehicle",), f"{name!r}: {fault.message}") for fault in error.faults]
+        raise ConfigError(said) from None
 
 
 def _own_vehicle(mission: Source) -> str | None:

@@ -58,6 +58,24 @@ def scalar(text: str) -> Any:
     return text
 
 
+_WORDS_FOR = {
+    "expected '<document start>'": "this line is indented otherwise than the lines before it",
+    "expected <block end>": "this line is indented otherwise than the lines before it",
+    "mapping values are not allowed": "a second colon on one line, or a line that is indented too far",
+    "could not find expected ':'": "a key without a colon, or text that goes on on the next line",
+    "expected ',' or '}'": "a comma or a closing } is missing here",
+    "expected ',' or ']'": "a comma or a closing ] is missing here",
+    "that cannot start any token": "a character that nothing begins with (a tab, %, @ or `); put text into quotes",
+    "unexpected end of stream": "a quote that is not closed",
+}
+
+
+def _in_words(error: yaml.MarkedYAMLError) -> str:
+    """What YAML's own parser says, for people who have not read its grammar."""
+    said = " ".join(filter(None, (error.context, error.problem)))
+    return next((words for problem, words in _WORDS_FOR.items() if problem in said), said)
+
+
 def parse(text: str, file: str) -> Document:
     """The document in ``text``. ConfigError: not YAML, or one of the faults above."""
     faults: list[Fault] = []
@@ -74,10 +92,11 @@ def parse(text: str, file: str) -> Document:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark is not None else 1
-        said = " ".join(filter(None, (error.context, error.problem)))
-        raise ConfigError([Fault(file, line, "", f"not valid YAML: {said}")]) from None
-    except yaml.YAMLError as error:  # characters YAML does not allow
-        raise ConfigError([Fault(file, 1, "", f"not valid YAML: {error}".splitlines()[0])]) from None
+        raise ConfigError([Fault(file, line, "", f"not valid YAML: {_in_words(error)}")]) from None
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        message = f"not valid YAML: the character {text[error.position]!a} is not allowed"
+        raise ConfigError([Fault(file, line, "", message)]) from None
     except RecursionError:
         raise ConfigError([Fault(file, 1, "", f"nested deeper than {DEPTH_MAX} levels")]) from None
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from companion.config.document import Document
 from companion.config.faults import ConfigError, Fault, Key
+from companion.config.units import unit_hint
 from companion.geodesy import LocalFrame
 from companion.mission import GlobalOrigin
 from companion.paths.placement import Placement
@@ -113,7 +114,8 @@ def _check(document: Document, key: Key, place: dict[str, Any], height: bool, fa
     for name in ("lat", "lon", *heights):
         value, most = place.get(name), LIMITS[name]
         if not _is_number(value) or not abs(value or 0.0) <= most:
-            wrong = f"{value!r} is no {WORDS[name]}; expected a number from -{most:g} to {most:g}"
+            wrong = f"{value!r} is no {WORDS[name]}{unit_hint((name,), value, most)}"
+            wrong += f"; expected a number from -{most:g} to {most:g}"
             what = f"missing; expected a place such as {EXAMPLE}" if value is None else wrong
             faults.append(document.fault((*key, name), what))
     if len(heights) != (1 if height else 0):

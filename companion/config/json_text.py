@@ -10,7 +10,7 @@ from typing import Any
 from companion.config.document import DEPTH_MAX, Document
 from companion.config.faults import ConfigError, Fault, Key, dotted
 
-_TOKEN = re.compile(r'[ \t\r\n]*(?:([\[\]{},:])|("(?:[^"\\\x00-\x1f]|\\.)*")|([^\s\[\]{},:"]+)|(.))', re.DOTALL)
+_TOKEN = re.compile(r'[ \t\r\n]*(?:([\[\]{},:])|("(?:[^"\\\x00-\x1f]|\\.)*")|([^\s\[\]{},:"]+)|([^ \t\r\n]))')
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?$")
 _WORDS = {"true": True, "false": False, "null": None}
 _END = "the end of the file"
@@ -171,6 +171,7 @@ class _Reader:
     @property
     def _found(self) -> str:
         found = _END if self._ended else self._punctuation or self._string or self._word or ""
+        found = found if found.isprintable() else ascii(found)
         return found if len(found) <= 40 else found[:37] + "..."
 
     def _next(self) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
+from companion.calculus.expression import CONSTANTS
 from companion.calculus.expression import parse as parse_expression
 from companion.config.along import faults_along
 from companion.config.curves import curve_from, implicit_from, triple
@@ -23,6 +25,7 @@ from companion.config.plan_source import is_plan, mission_text, parsed, read_pla
 from companion.config.profile_keys import (
     SPEED_MIN,
     AutoSpeedModel,
+    Degrees,
     LookAtModel,
     SpeedModel,
     SpeedTableModel,
@@ -51,7 +54,7 @@ class StartModel(Strict):
         default_factory=lambda: [0.0, 0.0, 0.0]
     )
     """how fast, [x, y, z] in m/s"""
-    heading_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
+    heading_deg: Degrees = 0.0
     """heading clockwise from north, in degrees"""
     pitch_deg: Annotated[float, Field(ge=-89.0, le=89.0)] = 0.0
     """pitch, nose up, in degrees"""
@@ -73,7 +76,7 @@ class MissionModel(Strict):
     origin: OriginModel = None
     """what the coordinates count from: local (the vehicle's own frame), takeoff, home, or [latitude, longitude,
     altitude above sea level] in degrees and m"""
-    rotate_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
+    rotate_deg: Degrees = 0.0
     """turns the mission's axes clockwise seen from above, in degrees; headings stay compass headings"""
     path: PathModel
     """the path, of one kind"""
@@ -101,6 +104,12 @@ class MissionModel(Strict):
         word = {"speed": "auto", "yaw": "tangent"}[info.field_name or ""]
         if given == "plan" and path is not None and path.kind != "plan":
             raise ValueError(f"'plan' means what the plan says, and the path is no plan but of kind {path.kind}")
+        if isinstance(given, str) and given.isidentifier() and path is not None and given not in (word, "plan"):
+            known = known_names(path)
+            if given not in (*known, *CONSTANTS):
+                close = difflib.get_close_matches(given, [word, *known], 1)
+                hint = f"did you mean {close[0]}?" if close else f"expected {word}, a number, or an expression"
+                raise ValueError(f"{given!r} is not known; {hint}")
         if isinstance(given, str) and given not in (word, "plan"):
             parse_expression(given, None if path is None else known_names(path))
         return given

@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+)
 
 from companion.calculus.expression import CONSTANTS, FUNCTIONS
 from companion.calculus.expression import parse as parse_expression
 from companion.config.schema import Strict
+from companion.config.units import not_radians
 from companion.paths.implicit import VARIABLES
 
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
@@ -26,13 +36,25 @@ _PLACE = {
 }
 """What ``earth`` turns into a point before a model sees it."""
 Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3), WithJsonSchema({"anyOf": [_TRIPLE, _PLACE]})]
+
+
+def _origin_form(value: Any) -> str:
+    return "a place" if isinstance(value, list) else "a word"
+
+
 Triple = Annotated[list[Coordinate], Field(min_length=3, max_length=3)]
 OriginModel = Annotated[
-    Literal["local", "takeoff", "home"] | Annotated[list[float], Field(min_length=3, max_length=3)] | None,
+    Annotated[
+        Annotated[Literal["local", "takeoff", "home"], Tag("a word")]
+        | Annotated[list[float], Field(min_length=3, max_length=3), Tag("a place")],
+        Discriminator(_origin_form),
+    ]
+    | None,
     WithJsonSchema({"anyOf": [{"enum": ["local", "takeoff", "home"]}, _TRIPLE, _PLACE]}),
 ]
 Metres = Annotated[float, Field(gt=0.0, le=1e5)]
 Points = Annotated[list[Point], Field(min_length=2, max_length=100_000)]
+Phase = Annotated[float, Field(ge=-720.0, le=720.0), AfterValidator(not_radians)]
 Frequency = Annotated[int, Field(ge=0, le=50)]
 Constants = dict[str, float]
 
@@ -129,7 +151,7 @@ class LissajousModel(Strict):
     """how far it swings along [x, y, z], in m"""
     frequency: Annotated[list[Frequency], Field(min_length=3, max_length=3)]
     """how often it swings along [x, y, z] in a round: whole numbers"""
-    phase_deg: Annotated[list[Annotated[float, Field(ge=-720.0, le=720.0)]], Field(min_length=3, max_length=3)] = Field(
+    phase_deg: Annotated[list[Phase], Field(min_length=3, max_length=3)] = Field(
         default_factory=lambda: [0.0, 0.0, 0.0]
     )
     """where in its swing each coordinate begins [x, y, z], in degrees; 90 is its far end"""

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from companion.config.path_keys import Point
 from companion.config.schema import Strict
+from companion.config.units import not_radians
 
 SPEED_MIN = 0.05
 """m/s; a speed given over displacement that comes to zero never leaves it again."""
 Distance = Annotated[float, Field(ge=0.0, le=1e6)]
 MetresPerSecond = Annotated[float, Field(ge=-100.0, le=100.0)]
-Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
+Degrees = Annotated[float, Field(ge=-360.0, le=360.0), AfterValidator(not_radians)]
 Row = Annotated[list[float], Field(min_length=2, max_length=2)]
 Rows = Annotated[list[Row], Field(min_length=2, max_length=100_000)]
 

@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails
 
 from companion.config.document import Document
 from companion.config.faults import ConfigError, Fault, Key
+from companion.config.units import unit_hint
 
 
 class Strict(BaseModel):
@@ -102,9 +103,12 @@ def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) ->
         case "greater_than_equal":
             wrong, wanted = "too small", f"at least {context['ge']:g}"
         case "less_than":
-            wrong, wanted = "too large", f"less than {context['lt']:g}"
+            wrong, wanted = (
+                f"too large{unit_hint(key, details['input'], context['lt'])}",
+                f"less than {context['lt']:g}",
+            )
         case "less_than_equal":
-            wrong, wanted = "too large", f"at most {context['le']:g}"
+            wrong, wanted = f"too large{unit_hint(key, details['input'], context['le'])}", f"at most {context['le']:g}"
         case "too_short":
             wrong, wanted = f"{context['actual_length']} of them", f"at least {context['min_length']}"
             return document.fault(key, f"{wrong}; expected {wanted}{_also(expected)}")
@@ -119,6 +123,10 @@ def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) ->
                 details["type"] == "int_type" and isinstance(details["input"], float)
             ):
                 wrong, wanted = "not a whole number", "a whole number"
+        case "string_too_short":
+            wrong, wanted = "too short", "text"
+        case "string_too_long":
+            wrong, wanted = "too long", f"at most {context['max_length']} characters"
         case "string_type":
             wrong, wanted = "not text", "text"
         case "bool_type":

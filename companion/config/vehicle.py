@@ -11,6 +11,7 @@ from companion.config.document import Document, parse
 from companion.config.faults import ConfigError
 from companion.config.places import find, read
 from companion.config.schema import Strict, validate
+from companion.config.units import plausible_inertia
 from companion.vehicle import GRAVITY, Limits, MotorInterface, Rotor, Spin, Vehicle
 
 Rate = Annotated[float, Field(gt=0.0, le=2000.0)]
@@ -120,10 +121,19 @@ def load_vehicle(name: str) -> Vehicle:
 def vehicle_from(document: Document) -> Vehicle:
     """The vehicle a document describes. ConfigError with every fault."""
     model = validate(document, VehicleModel)
+    x, y, z = model.inertia_kgm2
+    arm = max(math.hypot(*rotor.position_m[:2]) for rotor in model.rotors)
+    try:
+        if model.limits != "none":  # what has none is mathematics, and need not be a body
+            plausible_inertia([x, y, z], model.mass_kg, arm)
+    except ValueError as error:
+        raise ConfigError([document.fault(("inertia_kgm2",), str(error))]) from None
     thrust = sum(rotor.thrust_max_n * max(rotor.command) for rotor in model.rotors)
     weight = model.mass_kg * model.gravity
     if thrust < 1.1 * weight:
         message = f"weighs {weight:.4g} N but the rotors lift {thrust:.4g} N at most; expected a tenth to spare"
+        if thrust * GRAVITY >= 1.1 * weight:
+            message += " (thrust_max_n in kgf? 1 kgf is 9.81 N)"
         raise ConfigError([document.fault(("mass_kg",), message)])
     arm = max(math.hypot(*rotor.position_m) for rotor in model.rotors)
     for i, inertia in enumerate(model.inertia_kgm2):
@@ -144,7 +154,6 @@ def vehicle_from(document: Document) -> Vehicle:
             speed=model.limits.speed,
             failure_detector=math.radians(model.limits.failure_detector_deg),
         )
-    x, y, z = model.inertia_kgm2
     return Vehicle(
         name=model.name,
         mass=model.mass_kg,
