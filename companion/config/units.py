@@ -19,8 +19,6 @@ _MIXED_UP = (
 """End of a key, how many of the other unit are one, its name, and the least that makes sense."""
 RADIANS_WITHIN = 6e-4
 """How near to a multiple of 45 degrees in radians a number looks like one."""
-OTHER_INERTIAS = ((1e4, "kg cm^2"), (1e7, "g cm^2"))
-"""How many of another unit are a kg m^2."""
 
 
 def unit_hint(key: Key, given: Any, limit: float) -> str:
@@ -40,15 +38,3 @@ def not_radians(degrees: float) -> float:
     if 0 < abs(round(eighths)) <= 8 and abs(degrees - round(eighths) * math.pi / 4.0) < RADIANS_WITHIN:
         raise ValueError(f"{degrees:g} looks like radians; expected degrees, {round(eighths) * 45:g} perhaps")
     return degrees
-
-
-def plausible_inertia(inertia: list[float], mass: float, arm: float) -> None:
-    """ValueError: no body of ``mass`` kg with rotors ``arm`` m from its centre has such moments of inertia."""
-    radius = math.sqrt(max(inertia) / mass)
-    if radius > 3.0 * arm:
-        others = [unit for many, unit in OTHER_INERTIAS if math.sqrt(max(inertia) / many / mass) < arm]
-        hint = f"; are they in {others[0]}?" if others else ""
-        size = f"would be a body of {2.0 * radius:.2g} m, and its rotors are {arm:.2g} m from its centre"
-        raise ValueError(f"{inertia} kg m^2 {size}{hint}")
-    if radius < 0.02 * arm:
-        raise ValueError(f"{inertia} kg m^2 would be a body of {2000.0 * radius:.2g} mm; expected more, in kg m^2")

@@ -11,7 +11,6 @@ from companion.config.document import Document, parse
 from companion.config.faults import ConfigError
 from companion.config.places import find, read
 from companion.config.schema import Strict, validate
-from companion.config.units import plausible_inertia
 from companion.vehicle import GRAVITY, Limits, MotorInterface, Rotor, Spin, Vehicle
 
 Rate = Annotated[float, Field(gt=0.0, le=2000.0)]
@@ -121,13 +120,6 @@ def load_vehicle(name: str) -> Vehicle:
 def vehicle_from(document: Document) -> Vehicle:
     """The vehicle a document describes. ConfigError with every fault."""
     model = validate(document, VehicleModel)
-    x, y, z = model.inertia_kgm2
-    arm = max(math.hypot(*rotor.position_m[:2]) for rotor in model.rotors)
-    try:
-        if model.limits != "none":  # what has none is mathematics, and need not be a body
-            plausible_inertia([x, y, z], model.mass_kg, arm)
-    except ValueError as error:
-        raise ConfigError([document.fault(("inertia_kgm2",), str(error))]) from None
     thrust = sum(rotor.thrust_max_n * max(rotor.command) for rotor in model.rotors)
     weight = model.mass_kg * model.gravity
     if thrust < 1.1 * weight:
@@ -154,6 +146,7 @@ def vehicle_from(document: Document) -> Vehicle:
             speed=model.limits.speed,
             failure_detector=math.radians(model.limits.failure_detector_deg),
         )
+    x, y, z = model.inertia_kgm2
     return Vehicle(
         name=model.name,
         mass=model.mass_kg,
