@@ -97,6 +97,7 @@ def measured(
     believed: list[tuple[float, float, float]] = []
     most = [0.0, 0.0]
     near: list[float] = []
+    found: list[Estimates | None] = [None]
     count = 0
 
     def look(conductor: Conductor, truth: Truth) -> None:
@@ -125,15 +126,14 @@ def measured(
         )
         steered = conductor.last.outcome.steered if conductor.last is not None else None
         if steered is not None and memory.progress is not None:
+            found[0] = steered.estimates
             told = steered.command
             believed.append((memory.progress.path_error, told.speed - told.alpha, wrap(told.yaw - told.beta)))
 
     fly(conductor, bridge, look, duration + 30.0)
     fault = conductor.refusal or (conductor.memory.first_fault if conductor.memory is not None else "no plan")
-    steered = conductor.last.outcome.steered if conductor.last is not None else None
     reason = fault if fault is not None or conductor.done else "not over in time"
-    estimates = steered.estimates if steered is not None else None
-    return Measured(reason, _errors(true), _errors(believed), most[0], most[1], estimates, conductor)
+    return Measured(reason, _errors(true), _errors(believed), most[0], most[1], found[0], conductor)
 
 
 def _errors(rows: list[tuple[float, float, float]]) -> Errors | None:

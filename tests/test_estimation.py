@@ -10,6 +10,7 @@ import pytest
 
 from companion.estimation import kalman
 from companion.estimation.kalman import DRAG, KAPPA, SIZE, UPPER, Belief, first_belief, seated, stepped
+from companion.estimation.lag import first_lag, followed_lag
 from companion.estimation.observer import Observed, Prior, first_observed, observed
 from companion.estimation.prediction import Known, predicted
 from companion.estimation.response import Inner, Response, Sent, axis_step, corrected, followed, in_force
@@ -266,3 +267,39 @@ def test_trust_in_measurements_follows_their_noise() -> None:
     assert math.sqrt(known.noise[1]) == pytest.approx(0.03, rel=0.3)
     assert math.hypot(*known.belief.v_n) < 0.03
     assert not known.stuck
+
+
+@pytest.mark.parametrize("true", [0.055, 0.071, 0.1])
+def test_the_lag_of_the_rate_loop_is_found(true: float) -> None:
+    """Told 71 ms; a gyro with noise, a loop whose gain is 5 % off, commands as a circle brings them."""
+    rng = random.Random(4)
+    inner, response, lag = Inner(STILL, STILL, G), Response(true, 0.05), first_lag(0.071, STILL)
+    sent: tuple[Sent, ...] = (Sent(0.0, STILL, G),)
+    for k in range(4000):
+        t = 0.01 * k
+        inner, _ = followed(inner, response, sent, t, t + 0.01)
+        gyro = (1.05 * inner.w_b[0] + rng.gauss(0, 0.01), 1.05 * inner.w_b[1] + rng.gauss(0, 0.01), 0.0)
+        lag = followed_lag(lag, 0.05, sent, t, t + 0.01, gyro)
+        wanted = (0.4 * math.sin(1.2 * t), 0.4 * math.cos(1.2 * t), 0.0)
+        sent = (*sent[-3:], Sent(t + 0.015, wanted, G))
+    assert lag.value == pytest.approx(true, rel=0.12)
+
+
+def test_in_a_hover_the_lag_stays_as_believed() -> None:
+    rng = random.Random(5)
+    lag, sent = first_lag(0.071, STILL), (Sent(0.0, STILL, G),)
+    for k in range(3000):
+        gyro = (rng.gauss(0, 0.01), rng.gauss(0, 0.01), rng.gauss(0, 0.01))
+        lag = followed_lag(lag, 0.05, sent, 0.01 * k, 0.01 * k + 0.01, gyro)
+    assert lag.value == pytest.approx(0.071, rel=1e-6)
+
+
+def test_a_lag_is_sought_within_reason() -> None:
+    inner, response, lag = Inner(STILL, STILL, G), Response(0.4, 0.05), first_lag(0.071, STILL)
+    sent: tuple[Sent, ...] = (Sent(0.0, STILL, G),)
+    for k in range(4000):
+        t = 0.01 * k
+        inner, _ = followed(inner, response, sent, t, t + 0.01)
+        lag = followed_lag(lag, 0.05, sent, t, t + 0.01, inner.w_b)
+        sent = (*sent[-3:], Sent(t + 0.015, (0.5 * math.sin(2.0 * t), 0.0, 0.0), G))
+    assert lag.value == pytest.approx(1.6 * 0.071, rel=0.01)

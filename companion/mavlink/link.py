@@ -42,6 +42,8 @@ CUSTOM_MODE_ENABLED = 1.0
 
 HEARTBEAT_PERIOD = 1.0
 TIMESYNC_PERIOD = 0.5
+ROUND_TRIPS = 9
+"""of which the middle one counts: one that waited in a queue says nothing, a link that has become slower does."""
 RETRY_UNANSWERED = 0.5
 RETRY_REFUSED = 1.0
 RETRY_ACCEPTED = 5.0
@@ -118,7 +120,7 @@ class Link:
     """One companion's side of the conversation.
 
     ``identity``: None until an autopilot was heard. ``others``: further autopilots on the link, by system id.
-    ``round_trip``: s, the least seen. ``texts``: what the vehicle said in words since they were last taken.
+    ``round_trip``: s, the median of the last few. ``texts``: what the vehicle said in words since they were last taken.
     """
 
     streams: tuple[Command, ...] = ()
@@ -126,6 +128,7 @@ class Link:
     others: dict[int, int] = field(default_factory=dict)
     _companion_at: float = -math.inf
     round_trip: float | None = None
+    _round_trips: tuple[float, ...] = ()
     texts: list[tuple[int, str]] = field(default_factory=list)
     outgoing: list[bytes] = field(default_factory=list)
     encoder: Encoder = field(default_factory=lambda: Encoder(1, ONBOARD_COMPUTER))
@@ -278,8 +281,9 @@ class Link:
         if tc1 == 0:
             return  # the vehicle's own request; it needs no answer
         round_trip = now - ts1 * 1e-9
-        if 0.0 <= round_trip < 10.0 and (self.round_trip is None or round_trip < self.round_trip):
-            self.round_trip = round_trip
+        if 0.0 <= round_trip < 10.0:
+            self._round_trips = (*self._round_trips[1 - ROUND_TRIPS :], round_trip)
+            self.round_trip = sorted(self._round_trips)[len(self._round_trips) // 2]
 
     def _command(self, command: Command, confirmation: int) -> None:
         assert self.identity is not None

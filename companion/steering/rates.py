@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion.estimation.kalman import DRAG, KAPPA
+from companion.estimation.lag import Lag, begun_anew, first_lag, followed_lag
 from companion.estimation.observer import Observed, Prior, first_observed, observed
 from companion.estimation.prediction import Ahead, Known, predicted
 from companion.estimation.response import Inner, Response, Sent, corrected, followed
@@ -35,7 +36,7 @@ MOVING = 0.5
 """m/s: a vehicle told to fly faster is expected to move."""
 YAW_LEAD = 0.36
 """s, how much earlier than it is wanted a yaw rate is asked for; the yaw loop's lag for what turns at 1 to 3 rad/s."""
-YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.4, 0.3, 0.3
+YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.25, 0.3, 0.3
 """Of the square of the yaw gain (a quarter would put both poles of the heading at half the gain); rad/s; rad of error
 within which it is summed."""
 YAW_SHARE, YAW_ROOM_MIN = 0.2, 0.05
@@ -47,6 +48,8 @@ STRAINED = 0.9
 LEAN_MARGIN, LEAN_MOST = math.radians(2.0), math.radians(80.0)
 """rad: the steady lean of a path may be so much over the vehicle's limit, and stays so much under its failure detector.
 """
+PX4_STEP, DELAY_MAX, DELAY_SLEW = 0.004, 0.2, 0.05
+"""s: a setpoint acts at PX4's next step; the longest delay that is believed; s of change a second."""
 GAP_MAX = 0.5
 """s without a state after which what was flown meanwhile is not known."""
 LEVEL_GAIN, LEVEL_RATE_MAX = 3.0, 2.0
@@ -56,7 +59,8 @@ class RateMemory(NamedTuple):
     """``state``: the last one, with ``observed`` and ``inner`` at its stamp. ``sent``: the commands that act at or
     after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the last command met a limit.
     ``yaw_sum``: rad/s, what a heading error that stays has added up to. ``pace``: see there. ``moving``: whether it was
-    told to fly somewhere."""
+    told to fly somewhere. ``lag``: of its rate loop, as found. ``delay``: s from a state to the effect of its command
+    on the motors, as followed; None before the first step."""
 
     state: VehicleState
     observed: Observed
@@ -67,6 +71,8 @@ class RateMemory(NamedTuple):
     yaw_sum: float = 0.0
     pace: Pace = Pace()
     moving: bool = False
+    lag: Lag = first_lag(0.06, (0.0, 0.0, 0.0))
+    delay: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,9 +114,9 @@ class RateSteering:
             )
             pace = paced(memory.pace, self.course, aim.s, aim.ramp, means, dt)
             aim = Along(aim.s, slowed(aim.ramp, pace))
-        acts_after = vehicle.link_delay if link_delay is None else link_delay
+        acts_after = self._delay(memory.delay, link_delay, dt)
         half = 0.5 * dt  # a command is held until the next one
-        lag = self.response.lag
+        lag = self._response(memory).lag
         there = self._ahead(memory, acts_after + half + lag)
         zeta = memory.zeta
         flying = Flying(
@@ -142,10 +148,12 @@ class RateSteering:
         thrust = min(max(wanted, THRUST_MIN), THRUST_MAX)
         lift = thrust * vehicle.gravity / self.hover_thrust
         q_nb = self._ahead(memory, acts_after + half).q_nb if self.encoding.needs_attitude else state.q_nb
-        sent = (*memory.sent, Sent(state.t_boot + acts_after, rates, lift))
+        at = max(state.t_boot + acts_after, memory.sent[-1].at)
+        sent = (*memory.sent, Sent(at, rates, lift))
         limited = bound or clipped or thrust != wanted
         after = memory._replace(
             sent=sent, zeta=later, yaw_sum=yaw_sum, pace=pace, limited=limited or thrust > STRAINED,
+            delay=acts_after,
             moving=isinstance(aim, Along) and abs(command.alpha * aim.ramp.factor) > MOVING,
         )  # fmt: skip
         return Steered(
@@ -159,9 +167,7 @@ class RateSteering:
             thrust_share=thrust,
             converged=memory.observed.converged,
             pace=pace.factor,
-            estimates=Estimates(
-                belief.kappa, belief.drag, belief.disturbance_n, belief.bias_n, acts_after, self.response.lag
-            ),
+            estimates=Estimates(belief.kappa, belief.drag, belief.disturbance_n, belief.bias_n, acts_after, lag),
         )
 
     def _asked(self, flying: Flying, aim: Aim) -> Command:
@@ -216,7 +222,8 @@ class RateSteering:
         belief = memory.observed.belief
         kappa = (belief.kappa, math.sqrt(belief.variance(KAPPA)))
         drag = (belief.drag, math.sqrt(belief.variance(DRAG)))
-        return self._begun(state, Prior(kappa, drag))
+        again = self._begun(state, Prior(kappa, drag))
+        return again._replace(lag=begun_anew(memory.lag, state.w_b), delay=memory.delay)
 
     def _begun(self, state: VehicleState, prior: Prior) -> RateMemory:
         vehicle = self.vehicle
@@ -224,12 +231,14 @@ class RateSteering:
         known = first_observed(state.p_n, state.v_n, r, vehicle.gravity, prior)
         upright = max(r[8], 0.5)
         inner = Inner(state.w_b, (0.0, 0.0, 0.0), vehicle.gravity / (upright * known.belief.kappa))
-        return RateMemory(state, known, inner, (Sent(-math.inf, state.w_b, inner.lift),), vehicle.weight / upright)
+        first = Sent(-math.inf, state.w_b, inner.lift)
+        lag = first_lag(self.response.lag, state.w_b)
+        return RateMemory(state, known, inner, (first,), vehicle.weight / upright, lag=lag)
 
     def _seen(self, memory: RateMemory, state: VehicleState, gap: float) -> RateMemory:
         """What is known with a new state, ``gap`` s after the last one."""
         before, now = memory.state, state.t_boot
-        inner, lift = followed(memory.inner, self.response, memory.sent, before.t_boot, now)
+        inner, lift = followed(memory.inner, self._response(memory), memory.sent, before.t_boot, now)
         inner = corrected(inner, state.w_b, gap)
         # the thrust axis, a mean of both ends
         old, new = before.r_nb, state.r_nb
@@ -243,7 +252,26 @@ class RateSteering:
         past = 0
         while past + 1 < len(sent) and sent[past + 1].at <= now:
             past += 1
-        return memory._replace(state=state, observed=known, inner=inner, sent=sent[past:])
+        # what was clipped or held did not happen as it was sent
+        if memory.limited or known.stuck:
+            lag = begun_anew(memory.lag, state.w_b)
+        else:
+            lag = followed_lag(memory.lag, self.response.motor_lag, sent, before.t_boot, now, state.w_b)
+        return memory._replace(state=state, observed=known, inner=inner, sent=sent[past:], lag=lag)
+
+    def _response(self, memory: RateMemory) -> Response:
+        """The vehicle's response as found, on a grid of a millisecond."""
+        return Response(round(memory.lag.value, 3), self.response.motor_lag)
+
+    def _delay(self, before: float | None, link_delay: float | None, dt: float) -> float:
+        """s from a state to the effect of its command: the link there and back, and PX4's next step. It changes
+        slowly, because the commands on their way are ordered by it."""
+        now = self.vehicle.link_delay if link_delay is None else link_delay + PX4_STEP
+        now = min(max(now, 0.0), DELAY_MAX)
+        if before is None or dt == 0.0:
+            return now
+        most = DELAY_SLEW * dt
+        return before + min(max(now - before, -most), most)
 
     def _ahead(self, memory: RateMemory, horizon: float) -> Ahead:
         """The vehicle ``horizon`` s after the last state."""
@@ -251,7 +279,15 @@ class RateSteering:
         known = Known(belief.kappa, belief.drag, belief.disturbance_n, self.vehicle.gravity)
         state = memory.state
         return predicted(
-            belief.p_n, belief.v_n, state.q_nb, memory.inner, known, self.response, memory.sent, state.t_boot, horizon
+            belief.p_n,
+            belief.v_n,
+            state.q_nb,
+            memory.inner,
+            known,
+            self._response(memory),
+            memory.sent,
+            state.t_boot,
+            horizon,
         )
 
     def _clipped(self, turn: Vec3) -> tuple[Vec3, bool]:
