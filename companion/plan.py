@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from companion.estimation.observer import DRAG_DOUBT, Prior
+from companion.estimation.learned import Learned, prior_of
 from companion.flight.conduct import Conduct
 from companion.frames import Vec3
 from companion.law.feedback import Bounds
@@ -38,7 +38,7 @@ class Plan:
     ``mission``: placed in the vehicle's local frame; ``table``: its curve; ``steering``: the law for ``vehicle`` at an
     output ``level``. ``direction``: +1 along mu, -1 against. ``ramp_time``: s until full speed, 0 for none. ``laps``,
     ``duration`` (s): when following is finished; None until told. ``tuning``: what the autopilot's parameters say.
-    ``conduct``: how the flight is conducted.
+    ``conduct``: how the flight is conducted. ``learned``: what the vehicle's last flight left.
     """
 
     mission: Mission
@@ -52,6 +52,7 @@ class Plan:
     duration: float | None
     tuning: Tuning = NOT_SAID
     conduct: Conduct = AS_USUAL
+    learned: Learned | None = None
 
 
 def law_level(level: OutputLevel) -> Level:
@@ -67,11 +68,12 @@ def prepared(
     duration: float | None = None,
     tuning: Tuning = NOT_SAID,
     conduct: Conduct = AS_USUAL,
+    learned: Learned | None = None,
 ) -> Plan:
     """The plan for a mission whose origin lies at ``origin_n`` of the vehicle's local frame.
 
-    ``tuning``: what its autopilot said. CompanionError: it cannot be flown. Takes tens of
-    milliseconds: do it before the flight.
+    ``tuning``: what its autopilot said. ``learned``: what its last flight found out. CompanionError: it cannot be
+    flown. Takes tens of milliseconds: do it before the flight.
     """
     placed = mission.placed(origin_n)
     table = placed.table
@@ -102,7 +104,7 @@ def prepared(
         mission=placed,
         vehicle=vehicle,
         level=level,
-        steering=_steering(law, hold, vehicle, level, tuning, gains, course),
+        steering=_steering(law, hold, vehicle, level, tuning, gains, course, learned),
         table=table,
         direction=direction,
         ramp_time=ramp_time,
@@ -110,6 +112,7 @@ def prepared(
         duration=duration,
         tuning=tuning,
         conduct=conduct,
+        learned=learned,
     )
 
 
@@ -121,10 +124,12 @@ def _steering(
     tuning: Tuning,
     gains: Gains,
     course: Course | None,
+    learned: Learned | None,
 ) -> Steering:
     if level is OutputLevel.MOTORS:
         return motor_steering(law, hold, vehicle)
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
-    prior = Prior(drag=(vehicle.drag, DRAG_DOUBT))
-    return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course)
+    prior = prior_of(learned, hover, vehicle.drag)
+    lag = None if learned is None else learned.rate_lag
+    return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag)

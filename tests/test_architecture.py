@@ -32,8 +32,8 @@ MAY_IMPORT: dict[str, str] = {
     "pilot": "frames vehicle law paths mission steering flight plan",
     "mavlink": "frames vehicle",
     "config": "frames fence geodesy plans calculus vehicle world paths profiles law mission",
-    "record": "frames vehicle world paths law mission feasibility plan flight pilot mavlink config",
-    "daemon": "frames geodesy vehicle paths flight mission places plan pilot mavlink record",
+    "record": "frames vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
+    "daemon": "frames geodesy vehicle paths estimation flight mission places plan pilot mavlink record",
     "cli": "*",
 }
 SIM_BRIDGE = {"frames", "geodesy", "vehicle", "world", "mavlink"}

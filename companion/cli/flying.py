@@ -15,6 +15,7 @@ from companion.daemon.port import Port
 from companion.flight.conduct import Conduct, Manner
 from companion.mission import Origin
 from companion.record.folder import Recorder
+from companion.record.learned import recalled, remembered, state_file
 
 WAIT_FOR_VEHICLE = 10.0
 SPEED_SCALE_MAX = 1.5
@@ -68,6 +69,7 @@ def fly(flight: Flight, port: Port) -> int:
         set_parameters=flight.set_parameters,
         conduct=flight.conduct,
         draw=flight.draw,
+        learned=recalled(state_file(sortie.vehicle.name)),
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
     say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.manner]}")
@@ -79,4 +81,7 @@ def fly(flight: Flight, port: Port) -> int:
         return NO_VEHICLE
     finally:
         port.close()
+    learned = conductor.learned
+    if learned is not None:
+        remembered(state_file(sortie.vehicle.name), learned)
     return finish(conductor, recorder, flight.ending, stopped)

@@ -15,6 +15,7 @@ from companion.daemon.ground import WANTED as GROUND_WANTED
 from companion.daemon.ground import GroundSide
 from companion.daemon.orders import Orders
 from companion.daemon.preparing import Preparation
+from companion.estimation.learned import Learned
 from companion.flight.phases import Phase, Request
 from companion.flight.situation import Answer, Reply
 from companion.geodesy import LocalFrame
@@ -109,6 +110,13 @@ class Conductor:
     @property
     def _over(self) -> bool:
         return self.refusal is not None or (self.memory is not None and self.memory.phase is Phase.DONE)
+
+    @property
+    def learned(self) -> Learned | None:
+        """What the flight found out of its vehicle; None if that is nothing."""
+        if self.plan is None or self.memory is None or self.memory.steering is None:
+            return None
+        return self.plan.steering.learned(self.memory.steering)
 
     def stop(self) -> None:
         """Hand the vehicle back at the next tick."""

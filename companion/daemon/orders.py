@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from companion.estimation.learned import Learned
 from companion.flight.conduct import Conduct
 from companion.mission import Mission, Origin
 from companion.vehicle import OutputLevel, Vehicle
@@ -14,7 +15,7 @@ class Orders:
     """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
     be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
     ``conduct``: how; what the vehicle says of itself is added to its limits. ``draw``: the curve is uploaded as mission
-    items, for the ground station's map."""
+    items, for the ground station's map. ``learned``: what the vehicle's last flight left."""
 
     mission: Mission
     vehicle: Vehicle
@@ -25,3 +26,4 @@ class Orders:
     set_parameters: bool = False
     conduct: Conduct = field(default_factory=Conduct)
     draw: bool = False
+    learned: Learned | None = None

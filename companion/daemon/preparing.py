@@ -87,7 +87,7 @@ class Preparation:
         stands_at = state.p_n if where.on_ground else None
         conduct = conducted(orders.conduct, vehicle, tuning, mission.table, where.home_n, stands_at)
         origin_n = mission.placement.origin_n
-        return prepared(mission, vehicle, self.choice.level, origin_n, orders.duration, tuning, conduct)
+        return prepared(mission, vehicle, self.choice.level, origin_n, orders.duration, tuning, conduct, orders.learned)
 
     def _whereabouts(self, state: VehicleState) -> Whereabouts:
         home, origin = self.telemetry.home, self.telemetry.origin

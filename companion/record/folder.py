@@ -80,6 +80,7 @@ class Recorder:
             "duration_s": plan.duration,
             "tuning": plan.tuning._asdict(),
             "conduct": told(plan.conduct),
+            "learned": None if plan.learned is None else plan.learned._asdict(),
             "begun_at": now,
             "epoch": self.epoch,
             "path_length_m": plan.table.length,

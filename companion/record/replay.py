@@ -13,6 +13,7 @@ from companion.config.document import Document, parse
 from companion.config.faults import ConfigError, Fault
 from companion.config.mission import mission_from
 from companion.config.vehicle import vehicle_from
+from companion.estimation.learned import Learned
 from companion.feasibility.fastest import flyable
 from companion.flight.conduct import untold
 from companion.plan import Plan, law_level, prepared
@@ -51,6 +52,7 @@ def load_flight(directory: Path) -> Recorded:
         begun_at = float(resolved["begun_at"])
         tuning = Tuning(**resolved["tuning"])
         conduct = untold(resolved["conduct"])
+        learned = None if resolved.get("learned") is None else Learned(**resolved["learned"])
         mission = _document(directory / "mission.yaml")
         vehicle = _document(directory / "vehicle.yaml")
         table = load_table(directory / "flight.npy")
@@ -63,7 +65,7 @@ def load_flight(directory: Path) -> Recorded:
         raise ConfigError([Fault(str(directory), 1, "", message)]) from None
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
     flown = flyable(mission_from(mission, law_level(level), directory), machine).placed((x, y, z), turn)
-    plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning, conduct)
+    plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning, conduct, learned)
     return Recorded(plan, table, truth, begun_at)
 
 

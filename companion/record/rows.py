@@ -11,6 +11,7 @@ from companion.flight.situation import Answer, Reply
 from companion.frames import tilt
 from companion.pilot import Memory, Observation, Outcome, yaw_error
 from companion.record.table import Column, Row, dtype_of
+from companion.steering.steering import Estimates
 from companion.vehicle import (
     AttitudeSetpoint,
     Landed,
@@ -76,6 +77,13 @@ TOLD = (
     Column("beta", "d", "rad, the mission's heading here"),
     Column("yaw_error", "d", "rad, wrapped"),
     Column("tilt", "d", "rad, lean of the thrust axis"),
+    Column("pace", "f", "share of the mission's speed that was asked for; less than 1 where it could not be flown"),
+    Column("thrust_scale", "f", "found: acceleration made over acceleration asked for"),
+    Column("drag", "f", "1/s, found"),
+    *(Column(f"push_{axis}", "f", "m/s^2, found: the disturbance") for axis in ("north", "east", "down")),
+    *(Column(f"bias_{axis}", "f", "m/s, found: velocity over moving position") for axis in ("north", "east", "down")),
+    Column("delay", "f", "s, from a state to the effect of its command on the motors"),
+    Column("rate_lag", "f", "s, found: of the rate loop"),
     Column("latency", "f", "s from the arrival of the state to the return of the setpoint's send"),
 )
 
@@ -190,8 +198,17 @@ def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, 
             )
         ),
         math.nan if state is None else tilt(state.r_nb),
+        math.nan if steered is None else steered.pace,
+        *_found(None if steered is None else steered.estimates),
         latency,
     )
+
+
+def _found(estimates: Estimates | None) -> Row:
+    if estimates is None:
+        return (math.nan,) * 10
+    scale, drag, disturbance, bias, delay, lag = estimates
+    return (scale, drag, *disturbance, *bias, delay, lag)
 
 
 def seen_again(row: Any) -> tuple[Observation, float]:

@@ -92,6 +92,9 @@ class MotorSteering:
         u: Four = (self.vehicle.weight, *torque)
         return MotorSetpoint(self.allocation.allocate(u).commands)
 
+    def learned(self, memory: Extension) -> None:
+        """See Steering: motor commands are flown as the vehicle file says."""
+
     def _motion(self, state: VehicleState, acting: Four) -> tuple[Vec3, Vec3]:
         """Acceleration (world) and body acceleration under this thrust and these torques (Eqs. 1 and 2)."""
         vehicle = self.vehicle

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from companion.estimation.kalman import DRAG, KAPPA
 from companion.estimation.lag import Lag, begun_anew, first_lag, followed_lag
+from companion.estimation.learned import FLOWN_MIN, Learned
 from companion.estimation.observer import Observed, Prior, first_observed, observed
 from companion.estimation.prediction import Ahead, Known, predicted
 from companion.estimation.response import Inner, Response, Sent, corrected, followed
@@ -91,6 +92,7 @@ class RateSteering:
     yaw_gain: float
     course: Course | None = None
     lean: float = math.inf
+    lag: float = 0.06
 
     def begin(self, state: VehicleState) -> RateMemory:
         """Hovering, as far as anybody knows."""
@@ -217,6 +219,13 @@ class RateSteering:
             )  # fmt: skip
         return self.encoding.level(rates, min(max(thrust, THRUST_MIN), THRUST_MAX), q_nb)
 
+    def learned(self, memory: RateMemory) -> Learned | None:
+        """What this flight found out of its vehicle; None if it was too short or not settled."""
+        known = memory.observed
+        if known.flown < FLOWN_MIN or not known.converged:
+            return None
+        return Learned(self.hover_thrust / known.belief.kappa, known.belief.drag, memory.lag.value)
+
     def _again(self, memory: RateMemory, state: VehicleState) -> RateMemory:
         """A beginning that keeps what was learned of the vehicle."""
         belief = memory.observed.belief
@@ -232,7 +241,7 @@ class RateSteering:
         upright = max(r[8], 0.5)
         inner = Inner(state.w_b, (0.0, 0.0, 0.0), vehicle.gravity / (upright * known.belief.kappa))
         first = Sent(-math.inf, state.w_b, inner.lift)
-        lag = first_lag(self.response.lag, state.w_b)
+        lag = first_lag(self.lag, state.w_b, self.response.lag)
         return RateMemory(state, known, inner, (first,), vehicle.weight / upright, lag=lag)
 
     def _seen(self, memory: RateMemory, state: VehicleState, gap: float) -> RateMemory:
@@ -311,13 +320,26 @@ def rate_steering(
     prior: Prior,
     yaw_gain: float,
     course: Course | None = None,
+    lag: float | None = None,
 ) -> RateSteering:
-    """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields."""
+    """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
+    ``lag``: s, of its rate loop as last found; None: as its file says."""
     response = Response(vehicle.rate_loop_lag, vehicle.motor_lag)
     limits = vehicle.limits
     lean = math.inf
     if limits is not None:
         lean = math.tan(min(limits.tilt + LEAN_MARGIN, limits.failure_detector - LEAN_MARGIN, LEAN_MOST))
     return RateSteering(
-        law, hold, vehicle, thrust_range(vehicle), response, hover_thrust, prior, encoding, yaw_gain, course, lean
+        law=law,
+        hold=hold,
+        vehicle=vehicle,
+        range=thrust_range(vehicle),
+        response=response,
+        hover_thrust=hover_thrust,
+        prior=prior,
+        encoding=encoding,
+        yaw_gain=yaw_gain,
+        course=course,
+        lean=lean,
+        lag=response.lag if lag is None else lag,
     )

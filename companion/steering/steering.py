@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol
 
+from companion.estimation.learned import Learned
 from companion.frames import Vec3
 from companion.law.flight import Command, Ramp
 from companion.vehicle import Setpoint, VehicleState
@@ -87,3 +88,6 @@ class Steering(Protocol):
     def level(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> Setpoint:
         """A setpoint that levels and hovers: from a fresh state, or from none (then it asks for no turning).
         ``memory``: of the flight so far, if there was one."""
+
+    def learned(self, memory: SteeringMemory) -> Learned | None:
+        """What the flight found out of its vehicle, for the next one; None if that is nothing."""

@@ -1,0 +1,53 @@
+"""The state file of a vehicle: what its last flight found out, for its next one.
+
+$XDG_STATE_HOME/companion/VEHICLE.json      (usually ~/.local/state)
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from pathlib import Path
+
+from companion.estimation.learned import Learned, sane
+
+SCHEMA = "companion.learned/1"
+DAY = 86400.0
+
+
+def state_file(vehicle: str) -> Path:
+    """Where the figures of a vehicle are kept."""
+    base = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
+    safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in vehicle).lstrip(".") or "vehicle"
+    return Path(base) / "companion" / f"{safe}.json"
+
+
+def recalled(file: Path) -> Learned | None:
+    """What was learned, with its age by the clock on the wall; None where there is nothing that makes sense."""
+    try:
+        told = json.loads(file.read_text(encoding="utf-8"))
+        age = max(0.0, (time.time() - float(told["flown_at"])) / DAY)
+        learned = Learned(float(told["hover_thrust"]), float(told["drag_per_s"]), float(told["rate_loop_lag_s"]), age)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return learned if sane(learned) else None
+
+
+def remembered(file: Path, learned: Learned) -> bool:
+    """Keep ``learned``; whether that was possible. A file half written is never left behind."""
+    told = {
+        "schema": SCHEMA,
+        "hover_thrust": round(learned.hover_thrust, 4),
+        "drag_per_s": round(learned.drag, 4),
+        "rate_loop_lag_s": round(learned.rate_lag, 4),
+        "flown_at": round(time.time(), 1),
+    }
+    part = file.with_suffix(".part")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        part.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+        part.replace(file)
+    except OSError:
+        return False
+    return True

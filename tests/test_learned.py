@@ -1,0 +1,70 @@
+"""What a flight leaves for the next: believed while fresh, bounded, and kept in a file that may be anything."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from bench.measured import course, machine, measured, world
+from companion.estimation.learned import AGEING, Learned, prior_of, sane
+from companion.estimation.observer import DRAG_DOUBT, KAPPA_DOUBT
+from companion.record.learned import recalled, remembered, state_file
+from companion.vehicle import OutputLevel
+
+FOUND = Learned(0.5, 0.8, 0.065)
+
+
+def test_fresh_figures_replace_what_was_told() -> None:
+    prior = prior_of(FOUND, 0.6, 0.1)
+    assert prior.kappa[0] == pytest.approx(1.2)  # told 0.6, truly 0.5: every newton asked for gives 1.2
+    assert prior.drag[0] == pytest.approx(0.8)
+    assert prior.kappa[1] < KAPPA_DOUBT
+    assert prior.drag[1] < DRAG_DOUBT
+
+
+def test_old_figures_are_doubted_as_if_never_flown() -> None:
+    prior = prior_of(FOUND._replace(age_days=2.0 * AGEING), 0.6, 0.1)
+    assert prior.kappa[1] == pytest.approx(KAPPA_DOUBT)
+    assert prior.drag == pytest.approx((0.1, DRAG_DOUBT))
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"hover_thrust": 0.0}, {"drag": -1.0}, {"rate_lag": math.nan}, {"age_days": -1.0}, {"drag": math.inf}]
+)
+def test_what_no_vehicle_can_be_is_not_believed(wrong: dict[str, float]) -> None:
+    assert not sane(FOUND._replace(**wrong))
+    assert prior_of(FOUND._replace(**wrong), 0.6, 0.1) == prior_of(None, 0.6, 0.1)
+
+
+def test_kept_and_recalled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    file = state_file("my quad/../x")
+    assert file.parent == tmp_path / "companion"
+    assert recalled(file) is None
+    assert remembered(file, FOUND)
+    again = recalled(file)
+    assert again is not None
+    assert again[:3] == FOUND[:3]
+    assert again.age_days < 0.1
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"hover_thrust": "x"}', '{"hover_thrust": 7, "drag_per_s": 0}'])
+def test_a_spoiled_file_is_as_good_as_none(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "quad.json"
+    file.write_text(text)
+    assert recalled(file) is None
+
+
+def test_a_place_that_cannot_be_written_is_no_fault(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    assert not remembered(tmp_path / "file" / "quad.json", FOUND)
+
+
+def test_a_flight_finds_out_what_its_vehicle_is() -> None:
+    done = measured(course("circle_r5", 3.0), machine("x500"), world("ideal"), OutputLevel.RATES, duration=17.0)
+    learned = done.conductor.learned
+    assert learned is not None
+    assert learned.hover_thrust == pytest.approx(0.5737, rel=0.02)
+    assert learned.drag == pytest.approx(0.2, abs=0.02)
