@@ -87,7 +87,9 @@ def _vec(x: NDArray[np.float64]) -> Vec3:
 
 def circle(speed: float, radius: float = 5.0, height: float = 10.0) -> Course:
     """A level circle."""
-    return Course(f"circle r{radius:g} at {speed:g}", f"{{kind: circle, center: [0, 0, {-height}], radius: {radius}}}", speed)
+    return Course(
+        f"circle r{radius:g} at {speed:g}", f"{{kind: circle, center: [0, 0, {-height}], radius: {radius}}}", speed
+    )
 
 
 def figure_eight(speed: float, height: float = 12.0) -> Course:

@@ -63,9 +63,7 @@ def figures(course: Course, track: Sequence[Sample], settle: float) -> Figures:
         tilts.append(math.degrees(sample.tilt))
     last = track[-1].p_n
     lost = not math.isfinite(sum(last)) or table.locate(last)[1] > LOST or max(errors) > 5.0 * LOST
-    return Figures(
-        _rms(errors), max(errors), _rms(speed_errors), max(speeds), _rms(yaws), max(tilts), lost
-    )
+    return Figures(_rms(errors), max(errors), _rms(speed_errors), max(speeds), _rms(yaws), max(tilts), lost)
 
 
 def _rms(values: Sequence[float]) -> float:

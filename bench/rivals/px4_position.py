@@ -53,7 +53,11 @@ def sample(t: float, truth: Truth) -> Sample:
 def _setpoint(course: Course, t: float) -> dict[str, Value]:
     moment = course.at(t)
     fields: dict[str, Value] = {"coordinate_frame": LOCAL_NED, "type_mask": USE_YAW, "yaw": 0.0, "yaw_rate": math.nan}
-    for names, values in ((("x", "y", "z"), moment.p_n), (("vx", "vy", "vz"), moment.v_n), (("afx", "afy", "afz"), moment.a_n)):
+    for names, values in (
+        (("x", "y", "z"), moment.p_n),
+        (("vx", "vy", "vz"), moment.v_n),
+        (("afx", "afy", "afz"), moment.a_n),
+    ):
         fields |= dict(zip(names, values, strict=True))
     return {**fields, "target_system": 1, "target_component": 1}
 

@@ -16,9 +16,12 @@ from rotorpy.controllers.quadrotor_control import SE3Control
 from rotorpy.vehicles.hummingbird_params import quad_params
 from rotorpy.vehicles.multirotor import Multirotor
 
-from bench.rivals.course import Course, Moment
+from bench.rivals.course import START_ACCELERATION, Course, Moment
 from bench.rivals.figures import Sample
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix, tilt
+from companion.law.flight import Ramp
+from companion.plan import Plan
+from companion.steering.steering import Along
 from companion.vehicle import Limits, RateSetpoint, Rotor, Spin, Vehicle, VehicleState
 
 RATE_GAIN = 40.0
@@ -45,7 +48,9 @@ def hummingbird(drag: float = 0.0, mass_error: float = 0.0, link_delay: float = 
         mass=mass * (1.0 + mass_error),
         inertia=(quad_params["Ixx"], quad_params["Iyy"], quad_params["Izz"]),
         gravity=GRAVITY,
-        rotors=tuple(Rotor((x, y, 0.0), spin, lift, quad_params["k_m"] / quad_params["k_eta"]) for (x, y), spin in spots),
+        rotors=tuple(
+            Rotor((x, y, 0.0), spin, lift, quad_params["k_m"] / quad_params["k_eta"]) for (x, y), spin in spots
+        ),
         motor_lag=quad_params["tau_m"],
         drag=drag,
         hover_thrust=HOVER * (1.0 + mass_error),
@@ -68,7 +73,9 @@ class Place:
 
     def __post_init__(self) -> None:
         self._machine = Multirotor(
-            {**quad_params, "k_w": RATE_GAIN}, control_abstraction=self.abstraction, integrator_kwargs={"method": "RK45"}
+            {**quad_params, "k_w": RATE_GAIN},
+            control_abstraction=self.abstraction,
+            integrator_kwargs={"method": "RK45"},
         )
         self._state: dict[str, Any] = {}
 
@@ -156,3 +163,33 @@ class Delayed:
         while self._sent and self._sent[0][0] <= t + 1e-9:
             self._acting = self._sent.popleft()[1]
         return self._acting
+
+
+def fly_steered(course: Course, place: Place, plan: Plan, seconds: float, delay: float = 0.0) -> list[Sample]:
+    """One of our steerings, by the plan made for ``hummingbird``. ``delay``: s from a state to its setpoint's effect."""
+    place.put(course.at(0.0))
+    steering, table = plan.steering, plan.table
+    state = place.state
+    memory = steering.begin(state)
+    link = Delayed(delay, control_of(RateSetpoint((0.0, 0.0, 0.0), HOVER)))
+    s = table.locate(state.p_n)[0]
+    while place.t < seconds:
+        state = place.state
+        s = table.nearest(state.p_n, s, 1.0 + 0.2 * math.hypot(*state.v_n))[0]
+        steered = steering.steer(memory, state, CONTROL_PERIOD if place.t else 0.0, Along(s, ramp(course, place.t)))
+        memory = steered.memory
+        assert isinstance(steered.setpoint, RateSetpoint)
+        link.send(place.t, control_of(steered.setpoint))
+        place.step(link.at(place.t), CONTROL_PERIOD)
+    return place.track
+
+
+def ramp(course: Course, t: float) -> Ramp:
+    """The pilot's smooth start."""
+    rise = 1.875 * course.speed / START_ACCELERATION
+    x = min(t / rise, 1.0)
+    return Ramp(
+        x**3 * (10.0 - 15.0 * x + 6.0 * x * x),
+        30.0 * x * x * (1.0 - x) ** 2 / rise,
+        60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / rise**2,
+    )
