@@ -166,7 +166,7 @@ class Delayed:
 
 
 def fly_steered(course: Course, place: Place, plan: Plan, seconds: float, delay: float = 0.0) -> list[Sample]:
-    """One of our steerings, by the plan made for ``hummingbird``. ``delay``: s from a state to its setpoint's effect."""
+    """One of our steerings, planned for ``hummingbird``. ``delay``: s from a state to its setpoint's effect."""
     place.put(course.at(0.0))
     steering, table = plan.steering, plan.table
     state = place.state
