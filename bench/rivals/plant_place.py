@@ -1,0 +1,56 @@
+"""The project's own plant in lockstep, over the very datagrams UDP would carry, under any steering."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+from bench.rivals.course import Course
+from bench.rivals.figures import Sample
+from bench.rivals.px4_position import sample
+from companion.cli.lockstep import fly as fly_in_lockstep
+from companion.cli.simulate import start_of
+from companion.daemon.conductor import Conductor, Orders
+from companion.law.gains import Level
+from companion.mission import Origin
+from companion.plan import Plan
+from companion.steering.steering import Steering
+from companion.vehicle import OutputLevel, Vehicle
+from companion.world import World
+from sim_bridge.bridge import Bridge
+from sim_bridge.plant import Truth
+
+OVERHEAD = 60.0
+"""s a flight may take beyond following."""
+
+
+def fly(
+    course: Course,
+    vehicle: Vehicle,
+    world: World,
+    seconds: float,
+    seed: int = 0,
+    level: OutputLevel = OutputLevel.RATES,
+    steering: Callable[[Plan], Steering] | None = None,
+) -> list[Sample]:
+    """The true track from the beginning of following on. ``steering``: what to put in the place of the plan's own."""
+    mission = course.mission(Level.MOTORS if level is OutputLevel.MOTORS else Level.RATES)
+    bridge = Bridge(vehicle, world, seed=seed, direct=level is OutputLevel.MOTORS, start=start_of(mission), endpoints=1)
+    conductor = Conductor(Orders(mission, vehicle, level, seconds, Origin.LOCAL), None, 0.0)
+    track: list[Sample] = []
+    swapped = steering is None
+
+    def watch(conductor: Conductor, truth: Truth) -> None:
+        nonlocal swapped
+        if not swapped and conductor.plan is not None:
+            assert steering is not None
+            conductor.plan = dataclasses.replace(conductor.plan, steering=steering(conductor.plan))
+            swapped = True
+        memory = conductor.memory
+        if memory is not None and memory.follow_from is not None:
+            track.append(sample(bridge.now, truth))
+
+    fly_in_lockstep(conductor, bridge, watch, OVERHEAD + seconds)
+    if not track:
+        raise RuntimeError(f"{course.name} was not flown: {conductor.refusal or conductor.notes}")
+    return track
