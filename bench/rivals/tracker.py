@@ -1,4 +1,4 @@
-"""The rival: a time-tracking geometric SE(3) controller (Lee, Leok, McClamroch; Mellinger, Kumar) behind the law's seam.
+"""The rival: a time-tracking geometric SE(3) controller (Lee et al.; Mellinger and Kumar) behind the law's seam.
 
 Position and velocity errors against a point that moves by the clock, with acceleration and jerk fed forward, give the
 thrust's direction; the attitude error on the sphere, with the direction's own turning fed forward, gives body rates.
