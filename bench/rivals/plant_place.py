@@ -36,7 +36,8 @@ def fly(
     """The true track from the beginning of following on. ``steering``: what to put in the place of the plan's own."""
     mission = course.mission(Level.MOTORS if level is OutputLevel.MOTORS else Level.RATES)
     bridge = Bridge(vehicle, world, seed=seed, direct=level is OutputLevel.MOTORS, start=start_of(mission), endpoints=1)
-    conductor = Conductor(Orders(mission, vehicle, level, seconds, Origin.LOCAL), None, 0.0)
+    orders = Orders(mission, vehicle, level, seconds, Origin.LOCAL, set_parameters=True)
+    conductor = Conductor(orders, None, 0.0)
     track: list[Sample] = []
     swapped = steering is None
 
