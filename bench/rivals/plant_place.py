@@ -46,6 +46,8 @@ def fly(
         if not swapped and conductor.plan is not None:
             assert steering is not None
             conductor.plan = dataclasses.replace(conductor.plan, steering=steering(conductor.plan))
+            if conductor.memory is not None:
+                conductor.memory = conductor.memory._replace(steering=None)
             swapped = True
         memory = conductor.memory
         if memory is not None and memory.follow_from is not None:
