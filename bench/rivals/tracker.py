@@ -9,18 +9,21 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from bench.rivals.course import Course, Moment
 from companion.frames import Matrix3, Vec3, wrap
 from companion.law.flight import Command, Flying, Ramp
-from companion.steering.rates import RateMemory, RateSteering
+from companion.steering.rates import SLOPE_OVER, RateMemory, RateSteering
 from companion.steering.steering import Aim, Along, Steered
 from companion.vehicle import Setpoint, VehicleState
 
 POSITION, VELOCITY, ATTITUDE = 9.0, 6.0, 8.0
 """Gains on the errors of position (1/s^2), velocity (1/s) and attitude (1/s): the best of a sweep on these courses."""
+THRUST = 25.0
+"""1/s, how quickly the thrust that is sent comes to the one that is wanted."""
 YAW, YAW_RATE_MAX, YAW_DIVISOR = 1.5, 1.5, 0.2
 """As the law's own."""
 
@@ -52,8 +55,9 @@ class Tracker:
             begun = state.t_boot
         t = 0.0 if begun is None else state.t_boot - begun
         delay = self.rates.vehicle.link_delay if link_delay is None else link_delay
-        moment = self.course.at(t + delay + 0.5 * dt + self.rates.response.lag)
-        tracking = dataclasses.replace(self.rates, law=Tracking(moment, self.rates, max(dt, 1e-3)))
+        acts = t + delay + 0.5 * dt + self.rates.response.lag
+        moments = iter((self.course.at(acts), self.course.at(acts + SLOPE_OVER)))
+        tracking = dataclasses.replace(self.rates, law=Tracking(moments, self.rates))
         steered = tracking.steer(memory.rates, state, dt, aim, link_delay)
         return steered._replace(memory=TrackerMemory(steered.memory, begun))
 
@@ -64,14 +68,15 @@ class Tracker:
 
 @dataclass(frozen=True)
 class Tracking:
-    """What is asked for at one moment of the timetable; in the place of a path's law."""
+    """What the timetable asks for, in the place of a path's law. It is asked twice a tick: for the moment at which the
+    command acts, and for one a little later, which tells how the yaw rate is about to change."""
 
-    moment: Moment
+    moments: Iterator[Moment]
     rates: RateSteering
-    dt: float
 
     def __call__(self, flying: Flying, ramp: Ramp) -> Command:
         """See Law."""
+        moment = next(self.moments)
         vehicle = self.rates.vehicle
         m, g, c = vehicle.mass, vehicle.gravity, flying.drag
         R, v, d = flying.r_nb, flying.v_n, flying.disturbance
@@ -79,10 +84,10 @@ class Tracking:
         lift = flying.zeta / m
         weight = (0.0, 0.0, g)
         a = _sum((1.0, weight), (-lift, b), (1.0, d), (-c, v))
-        e, ev, ea = (_sum((1.0, x), (-1.0, y)) for x, y in zip((flying.p_n, v, a), self.moment[:3], strict=True))
-        wanted = _sum((1.0, self.moment.a_n), (-POSITION, e), (-VELOCITY, ev))
+        e, ev, ea = (_sum((1.0, x), (-1.0, y)) for x, y in zip((flying.p_n, v, a), moment[:3], strict=True))
+        wanted = _sum((1.0, moment.a_n), (-POSITION, e), (-VELOCITY, ev))
         force = _sum((1.0, wanted), (-1.0, weight), (-1.0, d), (c, v))
-        force_dot = _sum((1.0, self.moment.j_n), (-POSITION, ev), (-VELOCITY, ea), (c, a))
+        force_dot = _sum((1.0, moment.j_n), (-POSITION, ev), (-VELOCITY, ea), (c, a))
         size = max(math.sqrt(_dot(force, force)), 0.1 * g)
         axis = _sum((-1.0 / size, force))
         axis_dot = _sum((-1.0 / size, force_dot), (_dot(axis, force_dot) / size, axis))
@@ -94,13 +99,13 @@ class Tracking:
         divisor = math.copysign(max(abs(R[8]), YAW_DIVISOR), R[8])
         r = (psi_dot * d2 - (R[3] * R[2] - R[0] * R[5]) * q) / divisor
         thrust = -m * _dot(force, b)
-        tangent = _sum((1.0 / max(math.sqrt(_dot(self.moment.v_n, self.moment.v_n)), 1e-3), self.moment.v_n))
+        tangent = _sum((1.0 / max(math.sqrt(_dot(moment.v_n, moment.v_n)), 1e-3), moment.v_n))
         return Command(
-            zeta_derivative=(thrust - flying.zeta) / self.dt,
+            zeta_derivative=THRUST * (thrust - flying.zeta),
             turn=(p, q, min(max(r, -YAW_RATE_MAX), YAW_RATE_MAX)),
             tangent=tangent,
             speed=_dot(tangent, v),
-            alpha=math.sqrt(_dot(self.moment.v_n, self.moment.v_n)),
+            alpha=math.sqrt(_dot(moment.v_n, moment.v_n)),
             yaw=yaw,
             beta=0.0,
             regularity=1.0,
