@@ -1,0 +1,82 @@
+"""The law's own steering with one of its remedies taken away, to see what each is worth."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from companion.estimation.kalman import DRAG, KAPPA
+from companion.estimation.observer import Prior
+from companion.estimation.response import Response
+from companion.plan import Plan
+from companion.steering.rates import RateMemory, RateSteering
+from companion.steering.steering import Steering
+from companion.vehicle import VehicleState
+
+KNOWN = 1e-9
+"""A standard deviation that leaves nothing to learn."""
+NO_LAG = 1e-3
+"""s; a lag of nothing."""
+DISTURBANCE, BIAS = (2, 6, 10), (3, 7, 11)
+"""Where the filter keeps them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Forgetful(RateSteering):
+    """Some of the filter's numbers are put back to zero at every step, so that they are never used."""
+
+    forgotten: tuple[int, ...] = ()
+
+    def _seen(self, memory: RateMemory, state: VehicleState, gap: float) -> RateMemory:
+        memory = RateSteering._seen(self, memory, state, gap)
+        belief = memory.observed.belief
+        x = tuple(0.0 if i in self.forgotten else value for i, value in enumerate(belief.x))
+        return memory._replace(observed=memory.observed._replace(belief=belief._replace(x=x)))
+
+
+def without(remedy: str) -> Callable[[Plan], Steering]:
+    """The steering of a plan without one of REMEDIES."""
+    change = REMEDIES[remedy]
+
+    def changed(plan: Plan) -> Steering:
+        assert isinstance(plan.steering, RateSteering)
+        return change(plan.steering)
+
+    return changed
+
+
+def _forgetful(steering: RateSteering, *forgotten: int) -> RateSteering:
+    fields = {field.name: getattr(steering, field.name) for field in dataclasses.fields(steering)}
+    return Forgetful(**fields, forgotten=forgotten)
+
+
+def _no_drag(steering: RateSteering) -> RateSteering:
+    return _forgetful(dataclasses.replace(steering, prior=Prior(steering.prior.kappa, (0.0, KNOWN))), DRAG)
+
+
+def _no_scale(steering: RateSteering) -> RateSteering:
+    return dataclasses.replace(steering, prior=Prior((1.0, KNOWN), steering.prior.drag))
+
+
+def _nothing(steering: RateSteering) -> RateSteering:
+    plain = dataclasses.replace(
+        steering, prior=Prior((1.0, KNOWN), (0.0, KNOWN)), response=Response(NO_LAG, steering.response.motor_lag)
+    )
+    return _forgetful(plain, *DISTURBANCE, *BIAS, DRAG)
+
+
+def _no_prediction(steering: RateSteering) -> RateSteering:
+    return dataclasses.replace(steering, response=Response(NO_LAG, steering.response.motor_lag))
+
+
+REMEDIES: dict[str, Callable[[RateSteering], RateSteering]] = {
+    "everything on": lambda steering: steering,
+    "no prediction over the rate loop": _no_prediction,
+    "no drag": _no_drag,
+    "no disturbance": lambda steering: _forgetful(steering, *DISTURBANCE),
+    "no bias between velocity and position": lambda steering: _forgetful(steering, *BIAS),
+    "no thrust scale": _no_scale,
+    "none of them": _nothing,
+}
+assert KAPPA == 12 and DRAG == 13
