@@ -157,8 +157,9 @@ def rotorpy() -> Table:
     """RotorPy's simulator."""
     calm = [circle(3.0), circle(6.0), figure_eight(4.0)]
     note = (
-        "RotorPy's Hummingbird with RotorPy's aerodynamics, which neither side knows. RotorPy's own controller commands "
-        "motor speeds without delay; the others send body rates at 100 Hz over 20 ms of delay to a rate loop of 25 ms."
+        "RotorPy's Hummingbird with RotorPy's aerodynamics, which neither side knows. RotorPy's own controller "
+        "commands motor speeds without delay; the others send body rates at 100 Hz over 20 ms of delay to a rate loop "
+        "of 25 ms."
     )
     columns = [*(c.name for c in calm), "circle r5 at 3, wind 5 m/s", "held 4 s at 3 m/s"]
     table = Table("In RotorPy's simulator", note, columns)
@@ -206,8 +207,9 @@ def main() -> None:
 
 def _page(tables: str) -> str:
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    head = (DOCS / "rivals_head.md").read_text(encoding="utf-8")
-    return f"{head}\nFlown on {datetime.date.today().isoformat()} at commit {commit} by `python -m bench.hold_the_path`.\n\n{tables}"
+    head = (Path(__file__).parent / "rivals" / "head.md").read_text(encoding="utf-8")
+    today = datetime.date.today().isoformat()
+    return f"{head}\nFlown on {today} at commit {commit} by `python -m bench.hold_the_path`.\n\n{tables}"
 
 
 if __name__ == "__main__":

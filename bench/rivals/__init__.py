@@ -4,5 +4,9 @@ course         what is flown: a mission and, for a tracker, the same path as a f
 tracker        a time-tracking geometric SE(3) controller behind the steering seam, with the law's estimator
 px4_position   PX4's own position control with full feed-forward, over MAVLink
 rotorpy_place  RotorPy's simulator: its own controller in it, and ours
+plant_place    the project's own plant in lockstep, under any steering
+ablation       the law's steering without one of its remedies
 figures        from a flown track to the numbers of a table
+sorties        one flight of a table
+drawing        the figure of docs/rivals.md
 """

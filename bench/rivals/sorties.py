@@ -1,4 +1,4 @@
-"""One flight of a table: who flies what where, and the figures it ends with. Values, so that processes can share them."""
+"""One flight of a table: who flies what where, and the figures it ends with. Values, for several processes."""
 
 from __future__ import annotations
 
