@@ -28,7 +28,7 @@ def draw(results: dict[Sortie, Figures], path: Path) -> None:
     _bars(calm, [c.name for c in courses], {
         who: [[results[Sortie(who, "SIH", c)]] for c in courses] for who in (PX4, TRACKER, ATTITUDE, RATES)
     })  # fmt: skip
-    calm.set_title("PX4's simulated vehicle: true path error, RMS", loc="left")
+    calm.set_title("PX4's simulated vehicle: believed path error, RMS", loc="left")
     outside = [circle(3.0), circle(6.0), figure_eight(3.0)]
     _bars(windy, [c.name for c in outside], {
         who: [[f for s, f in results.items() if s[:3] == (who, "outdoor", c)] for c in outside]

@@ -32,8 +32,10 @@ def fly(
     seed: int = 0,
     level: OutputLevel = OutputLevel.RATES,
     steering: Callable[[Plan], Steering] | None = None,
+    believed: bool = False,
 ) -> list[Sample]:
-    """The true track from the beginning of following on. ``steering``: what to put in the place of the plan's own."""
+    """The track from the beginning of following on: the true one, or as the vehicle believes. ``steering``: what to
+    put in the place of the plan's own."""
     mission = course.mission(Level.MOTORS if level is OutputLevel.MOTORS else Level.RATES)
     bridge = Bridge(vehicle, world, seed=seed, direct=level is OutputLevel.MOTORS, start=start_of(mission), endpoints=1)
     orders = Orders(mission, vehicle, level, seconds, Origin.LOCAL, set_parameters=True)
@@ -51,7 +53,7 @@ def fly(
             swapped = True
         memory = conductor.memory
         if memory is not None and memory.follow_from is not None:
-            track.append(sample(bridge.now, truth))
+            track.append(sample(bridge.now, bridge, believed))
 
     fly_in_lockstep(conductor, bridge, watch, OVERHEAD + seconds)
     if not track:

@@ -13,7 +13,6 @@ from companion.mavlink.modes import Mode
 from companion.vehicle import Vehicle
 from companion.world import Start, World
 from sim_bridge.bridge import Bridge
-from sim_bridge.plant import Truth
 
 PERIOD = 1.0 / 90.0
 STREAM_FIRST = 0.5
@@ -23,8 +22,10 @@ USE_YAW = 0x800
 """Position, velocity, acceleration and yaw are used, the yaw rate is not."""
 
 
-def fly(course: Course, vehicle: Vehicle, world: World, seconds: float, seed: int = 0) -> list[Sample]:
-    """The true track from the beginning of the timetable on."""
+def fly(
+    course: Course, vehicle: Vehicle, world: World, seconds: float, seed: int = 0, believed: bool = False
+) -> list[Sample]:
+    """The track from the beginning of the timetable on: the true one, or as the vehicle believes."""
     first = course.at(0.0)
     bridge = Bridge(vehicle, world, seed=seed, start=Start.hover(first.p_n), endpoints=1)
     encoder = Encoder(1, 191)
@@ -40,14 +41,15 @@ def fly(course: Course, vehicle: Vehicle, world: World, seconds: float, seed: in
         if -PERIOD <= t < 0.0:
             bridge.receive(encoder.message(message("COMMAND_LONG"), **_offboard()))
         if t >= 0.0:
-            track.append(sample(t, bridge.truth))
+            track.append(sample(t, bridge, believed))
     return track
 
 
-def sample(t: float, truth: Truth) -> Sample:
-    """The plant's truth as a sample of a track."""
-    r_nb = rotation_matrix(truth.q_nb)
-    return Sample(t, truth.p_n, truth.v_n, euler_from_rotation(r_nb)[0], tilt(r_nb))
+def sample(t: float, bridge: Bridge, believed: bool) -> Sample:
+    """The plant's state as a sample of a track."""
+    seen = bridge.autopilot.estimate if believed else bridge.truth
+    r_nb = rotation_matrix(seen.q_nb)
+    return Sample(t, seen.p_n, seen.v_n, euler_from_rotation(r_nb)[0], tilt(r_nb))
 
 
 def _setpoint(course: Course, t: float) -> dict[str, Value]:

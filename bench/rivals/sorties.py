@@ -55,17 +55,18 @@ def flown(sortie: Sortie) -> Figures:
     if sortie.place.startswith("RotorPy"):
         return _in_rotorpy(sortie)
     vehicle, world = PLACES[sortie.place]()
+    believed = sortie.place.startswith("SIH")
     world = dataclasses.replace(world, events=(*world.events, *_events(sortie)))
     try:
         if sortie.who == PX4:
-            return figures(course, px4_position.fly(course, vehicle, world, seconds, sortie.seed), settle)
+            return figures(course, px4_position.fly(course, vehicle, world, seconds, sortie.seed, believed), settle)
         level = OutputLevel.ATTITUDE if sortie.who == ATTITUDE else OutputLevel.RATES
         steering = None
         if sortie.who == TRACKER:
             steering = _tracker(course)
         elif sortie.who.startswith("without: "):
             steering = without(sortie.who.removeprefix("without: "))
-        track = plant_place.fly(course, vehicle, world, seconds, sortie.seed, level, steering)
+        track = plant_place.fly(course, vehicle, world, seconds, sortie.seed, level, steering, believed)
     except (RuntimeError, ValueError, ArithmeticError):
         return LOST_FIGURES
     if track[-1].t - track[0].t < seconds - 1.0:
