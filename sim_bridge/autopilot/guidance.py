@@ -181,7 +181,8 @@ class Guidance:
             north, east = self._place[0] - now.p_n[0], self._place[1] - now.p_n[1]
             if math.hypot(north, east) > self._parameters["NAV_ACC_RAD"]:
                 wanted = math.atan2(east, north)
-        self._nose.turn(self._nose.heading if wanted is None else wanted, step)
+        if wanted is not None or self._nose.rate != 0.0:
+            self._nose.turn(self._nose.heading if wanted is None else wanted, step)
 
     @property
     def _pace(self) -> Pace:
