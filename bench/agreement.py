@@ -57,8 +57,10 @@ def main() -> None:
     print("worst: " + ", ".join(f"{n} {100 * w:.2f} %" for n, w in zip(Extremes._fields, worst, strict=True)))
     print(f"of {count} too fast, refused with the place: {refused}")
     for name in names("missions"):
+        if name.startswith("paper"):  # of another vehicle, without limits
+            continue
         mission = load_mission(name, law_level(level))
-        if mission.closed and mission.vehicle is None:
+        if mission.closed:
             did = flown(check(mission, vehicle), level)
             print(
                 f"{name:12} path {100 * did.path_error:.2f} cm, speed {100 * did.speed_error:.2f} %, "

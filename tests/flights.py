@@ -12,7 +12,7 @@ from companion.cli.simulate import start_of
 from companion.config.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.conductor import Conductor, Orders
-from companion.feasibility.fastest import flyable
+from companion.feasibility.auto import flyable
 from companion.flight.conduct import Conduct
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Value, message

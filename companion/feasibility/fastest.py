@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,16 +22,15 @@ from scipy.sparse import csc_matrix, diags_array
 from scipy.sparse.linalg import splu
 
 from companion.feasibility.arc_spline import ArcSpline
+from companion.feasibility.auto import SPEED_MIN, TooSlowError
 from companion.feasibility.room import Room
 from companion.feasibility.stations import places, stations
 from companion.mission import Mission
 from companion.profiles import AutoSpeed, SpeedProfile, hermite
-from companion.vehicle import CompanionError, Vehicle
+from companion.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
-SPEED_MIN = 0.1
-"""m/s; slower than this is not flown."""
 KNOT_TIME = 0.12
 """s between two knots."""
 KNOTS_MIN, KNOTS_MAX = 12, 6000
@@ -47,18 +45,6 @@ EXCESS_MAX = 1.004
 """What may be used between the places looked at, over the margin."""
 SMOOTHING = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9.0
 LOWERINGS = 60
-
-
-class TooSlowError(CompanionError):
-    """No speed is slow enough for the vehicle; says where."""
-
-
-def flyable(mission: Mission, vehicle: Vehicle) -> Mission:
-    """The mission with its speed known: ``auto`` made into a profile for ``vehicle``. Takes a second for a flight of
-    a minute. TooSlowError: no speed is slow enough."""
-    if not isinstance(mission.speed, AutoSpeed):
-        return mission
-    return replace(mission, speed=Fastest(mission, mission.speed, vehicle).profile())
 
 
 class Fastest:

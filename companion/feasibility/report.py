@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.feasibility import geometry
+from companion.feasibility.auto import SPEED_MIN, TooSlowError, flyable
 from companion.feasibility.demand import Demand, demand
-from companion.feasibility.fastest import SPEED_MIN, TooSlowError, flyable
 from companion.feasibility.limits import Limit, quantities, worst, worst_use
 from companion.feasibility.stations import Stations, places, stations
 from companion.mission import GlobalOrigin, Mission

@@ -14,7 +14,7 @@ from companion.config.faults import ConfigError, Fault
 from companion.config.mission import mission_from
 from companion.config.vehicle import vehicle_from
 from companion.estimation.learned import Learned
-from companion.feasibility.fastest import flyable
+from companion.feasibility.auto import flyable
 from companion.flight.conduct import untold
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
