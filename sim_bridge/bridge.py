@@ -136,7 +136,7 @@ class Bridge:
     def _pass(self) -> None:
         """A step in which the vehicle's own time passes."""
         events, plant = self.world_events, self.plant
-        if events:
+        if events.any:
             events.look(plant.truth.t_boot, self.autopilot.offboard_flown)
             alter = events.altered if events.alters else None
             for link in self.links:

@@ -52,7 +52,7 @@ STATE_FIELDS: dict[int, tuple[tuple[set[Part], slice], ...]] = {
 class WorldEvents:
     """The events of one flight at work on its ``plant`` and ``sensors``.
 
-    ``cut_down``, ``cut_up``: the endpoints nothing comes from or gets to.
+    ``any``: whether there are any. ``cut_down``, ``cut_up``: the endpoints nothing comes from or gets to.
     """
 
     def __init__(self, events: Iterable[Event], plant: Plant, sensors: Sensors) -> None:
@@ -64,13 +64,12 @@ class WorldEvents:
         self._not_numbers: list[Part] = []
         self._silent: list[Part] = []
         self.cut_down = self.cut_up = NOBODY
-
-    def __bool__(self) -> bool:
-        return bool(self._script)
+        self.any = bool(self._script)
 
     def add(self, event: Event) -> None:
         """One more event, in the midst of a flight. Its times count as those of a world's."""
         self._script.add(event)
+        self.any = True
 
     def look(self, t: float, offboard_flown: bool) -> None:
         """Let happen what is due at plant time ``t`` (s)."""

@@ -18,7 +18,7 @@ STOPPED = -1
 """The interval of a stream that is off; also what PX4 tells of one that is not limited."""
 FIXED = frozenset({BY_NAME["HEARTBEAT"].id})
 """Streams whose interval nobody may change."""
-RETRY_US = 8_000
+RETRY_US = 20_000
 """us until a stream that had nothing to send is looked at again."""
 NOTHING: Sequence[int] = ()
 
