@@ -9,11 +9,12 @@ import pytest
 
 from bench.measured import course, machine, measured, world
 from bench.robustness import flown as robust
-from companion.frames import multiply, quaternion_from_euler
+from companion.daemon import preparing
+from companion.frames import multiply, quaternion_from_euler, rotation_matrix, tilt
 from companion.steering.encoding import AsAttitude, as_attitude
 from companion.steering.thrust import ThrustRange
 from companion.vehicle import OutputLevel, RateSetpoint, Tuning
-from companion.world import Link, Way
+from companion.world import Battery, Link, Start, Way
 from companion.world.events import Hold, When
 from sim_bridge.control.attitude import GAINS, rates_for
 from tests.flights import Flown, flight
@@ -93,3 +94,65 @@ def test_outdoors_with_a_machine_that_is_not_as_its_file_says(seed: int) -> None
     assert done.true is not None
     assert done.true.path < 0.12
     assert done.true.speed < 0.05 * 6.0
+
+
+@pytest.mark.parametrize("factor", [0.7, 1.4])
+def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Told 30 % too little or 40 % too much: half a metre of height is never lost, and it takes less than 10 s."""
+    usual = preparing.prepared
+
+    def wrong(*given):  # type: ignore[no-untyped-def]
+        tuning = given[5]
+        return usual(*given[:5], tuning._replace(hover_thrust=tuning.hover_thrust * factor), *given[6:])
+
+    monkeypatch.setattr(preparing, "prepared", wrong)
+    heights: list[float] = []
+    converged_at: list[float] = []
+
+    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+        if conductor.memory is None or conductor.memory.steering is None:
+            return
+        heights.append(truth.p_n[2])
+        if conductor.memory.steering.observed.converged and not converged_at:
+            converged_at.append(now)
+
+    done = measured(course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=5.0, settle=3.0, watch=watch)
+    assert done.reason is None
+    assert max(abs(height + 10.0) for height in heights) < 0.5
+    assert converged_at[0] < 3.0
+    assert done.estimates is not None
+    assert done.estimates.thrust_scale == pytest.approx(factor, rel=0.06)
+
+
+def test_thrust_that_drifts_in_flight_is_followed() -> None:
+    """A fading battery: 15 % less thrust for the same command within 12 s, the height kept."""
+    fading = world("ideal", battery=Battery(capacity=500.0, resistance=0.01, full_current=60.0))
+    lowest: list[float] = []
+
+    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+        lowest.append(truth.p_n[2])
+
+    done = measured(course("circle_r5", 3.0), machine("x500"), fading, duration=12.0, settle=5.0, watch=watch)
+    assert done.reason is None
+    assert max(abs(height + 10.0) for height in lowest) < 0.3
+    assert done.true is not None
+    assert done.true.path < 0.05
+
+
+@pytest.mark.parametrize("off", [5.0, 15.0])
+def test_captured_from_far_without_overshoot(off: float) -> None:
+    """From rest beside the path: within the tilt limit, and never more than half a metre on its other side."""
+    most = [0.0, 0.0]
+
+    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+        x, y, _ = truth.p_n
+        most[0] = max(most[0], 5.0 - math.hypot(x, y))
+        most[1] = max(most[1], tilt(rotation_matrix(truth.q_nb)))
+
+    start = Start.hover((0.0, 5.0 + off, -10.0))
+    done = measured(
+        course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=4.0, settle=2.0, start=start, watch=watch
+    )
+    assert done.reason is None
+    assert most[0] < 0.5
+    assert most[1] < math.radians(45.0)

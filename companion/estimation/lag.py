@@ -22,7 +22,8 @@ TELLING = (5e-4) ** 2
 SHORTEST, LONGEST = 0.7, 1.6
 """Times the first belief: between these the lag is sought. A slow course shows the lag of slow commands only, and the
 loop is closed over the fast ones too."""
-GAP_MAX = 0.06
+PERIOD, GAP_MAX = 0.024, 0.06
+"""s between two looks, which is often enough; and without a state, after which the models begin anew."""
 
 Axes = tuple[float, float, float, float]
 """p, p', q, q' of one model: rad/s, rad/s^2."""
@@ -30,13 +31,15 @@ Axes = tuple[float, float, float, float]
 
 class Lag(NamedTuple):
     """``value``: s. ``first``: s, the belief it began with. ``models``: with shorter, this and longer lag; ``misses``:
-    their mean squares. ``ran``: s since the models began anew."""
+    their mean squares. ``ran``: s since the models began anew. ``at``: s,
+    the vehicle's clock, of the last look."""
 
     value: float
     first: float
     models: tuple[Axes, Axes, Axes]
     misses: Vec3 = (0.0, 0.0, 0.0)
     ran: float = 0.0
+    at: float = -math.inf
 
 
 def first_lag(value: float, w_b: Vec3, first: float | None = None) -> Lag:
@@ -48,14 +51,20 @@ def first_lag(value: float, w_b: Vec3, first: float | None = None) -> Lag:
 def begun_anew(lag: Lag, w_b: Vec3) -> Lag:
     """The models put back on the vehicle; what was found stays."""
     still = (w_b[0], 0.0, w_b[1], 0.0)
-    return lag._replace(models=(still, still, still), ran=0.0)
+    return lag._replace(models=(still, still, still), ran=0.0, at=-math.inf)
 
 
-def followed_lag(lag: Lag, motor_lag: float, sent: tuple[Sent, ...], begin: float, end: float, w_b: Vec3) -> Lag:
-    """``lag`` after the commands in force from ``begin`` to ``end`` (s) and a look at the gyro (rad/s)."""
-    dt = end - begin
+def followed_lag(lag: Lag, motor_lag: float, sent: tuple[Sent, ...], now: float, w_b: Vec3) -> Lag:
+    """``lag`` after the commands in force until ``now`` (s, the vehicle's clock) and a look at the gyro (rad/s).
+
+    Of ``sent`` the commands of the last PERIOD are needed.
+    """
+    dt = now - lag.at
+    if dt < PERIOD:
+        return lag
     if dt > GAP_MAX:
-        return begun_anew(lag, w_b)
+        return begun_anew(lag, w_b)._replace(at=now)
+    begin = lag.at
     value = lag.value
     # on a grid of one percent, so that the steps are computed once
     grid = round(100.0 * math.log(value))
@@ -67,7 +76,7 @@ def followed_lag(lag: Lag, motor_lag: float, sent: tuple[Sent, ...], begin: floa
     models = (a, b, c)
     ran = lag.ran + dt
     if ran < SETTLE:
-        return lag._replace(models=models, ran=ran)
+        return lag._replace(models=models, ran=ran, at=now)
     k = dt / MEAN_TIME
     p, q, _ = w_b
     short, middle, long = (
@@ -79,11 +88,11 @@ def followed_lag(lag: Lag, motor_lag: float, sent: tuple[Sent, ...], begin: floa
         towards = 0.5 * APART * (short - long) / depth if inside else math.copysign(APART, short - long)
         value *= math.exp(towards * dt / FOLLOW_TIME)
         value = max(lag.first * SHORTEST, min(lag.first * LONGEST, value))
-    return Lag(value, lag.first, models, (short, middle, long), ran)
+    return Lag(value, lag.first, models, (short, middle, long), ran, now)
 
 
 def _run(model: Axes, lag: float, motor_lag: float, sent: tuple[Sent, ...], begin: float, dt: float) -> Axes:
-    steps = max(1, math.ceil(dt / STEP - 1e-9))
+    steps = max(1, math.ceil(dt / (2.0 * STEP) - 1e-9))
     h = round(dt / steps, 6)
     step = axis_step(lag, motor_lag, h)
     p, pd, q, qd = model

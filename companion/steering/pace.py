@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 from companion.frames import Vec3
@@ -57,7 +58,7 @@ class Place(NamedTuple):
     speed: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Course:
     """A path by places ``spacing`` m apart from its beginning. ``direction``: +1 along it, -1 against."""
 
@@ -65,6 +66,20 @@ class Course:
     spacing: float
     closed: bool
     direction: float
+
+    @cached_property
+    def hardest(self) -> tuple[float, float]:
+        """m/s^2 across the path at the mission's speed where that is most, and the mission's fastest speed (m/s)."""
+        across = max(math.hypot(*place.curvature) * place.speed * place.speed for place in self.places)
+        return across, max(place.speed for place in self.places)
+
+    def easy(self, factor: float, means: Means) -> bool:
+        """Whether nothing on the whole course can be too much, by a bound that is quickly computed."""
+        across, fastest = self.hardest
+        f = abs(factor)
+        push = across * f * f + means.drag * fastest * f + math.hypot(*means.disturbance_n)
+        upright = means.gravity - push
+        return upright > 0.0 and push <= means.lean * upright and means.gravity + push <= means.lift
 
     def allowed(self, s: float, factor: float, means: Means) -> float:
         """The largest speed (m/s) at arc length ``s`` from which every place ahead can still be met slowly enough, when
@@ -116,6 +131,8 @@ def _fastest(place: Place, v: float, way: float, means: Means) -> float:
 
 def paced(pace: Pace, course: Course, s: float, ramp: Ramp, means: Means, dt: float) -> Pace:
     """The pace ``dt`` s later."""
+    if pace.factor == 1.0 and course.easy(ramp.factor, means):
+        return pace
     speed = course.speed(s) * max(abs(ramp.factor), 0.1)
     if speed <= 0.0:
         return pace

@@ -51,6 +51,8 @@ LEAN_MARGIN, LEAN_MOST = math.radians(2.0), math.radians(80.0)
 """
 PX4_STEP, DELAY_MAX, DELAY_SLEW = 0.004, 0.2, 0.05
 """s: a setpoint acts at PX4's next step; the longest delay that is believed; s of change a second."""
+KEPT = 0.06
+"""s that commands are kept after they have acted."""
 GAP_MAX = 0.5
 """s without a state after which what was flown meanwhile is not known."""
 LEVEL_GAIN, LEVEL_RATE_MAX = 3.0, 2.0
@@ -61,7 +63,8 @@ class RateMemory(NamedTuple):
     after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the last command met a limit.
     ``yaw_sum``: rad/s, what a heading error that stays has added up to. ``pace``: see there. ``moving``: whether it was
     told to fly somewhere. ``lag``: of its rate loop, as found. ``delay``: s from a state to the effect of its command
-    on the motors, as followed; None before the first step."""
+    on the motors, as followed; None before the first step. ``sloped``: rad/s^2, the slope of the yaw rate where
+    the last step took it, None where it is to be taken."""
 
     state: VehicleState
     observed: Observed
@@ -74,6 +77,7 @@ class RateMemory(NamedTuple):
     moving: bool = False
     lag: Lag = first_lag(0.06, (0.0, 0.0, 0.0))
     delay: float | None = None
+    sloped: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +142,10 @@ class RateSteering:
         later, slope, bound = self.range.integrated(zeta, 0.0 if stuck else command.zeta_derivative, dt, highest)
         p, q, r = command.turn
         yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
-        r += (YAW_LEAD - lag) * self._yaw_slope(flying, command, aim) - memory.inner.yaw_trim - yaw_sum
+        # every other step is often enough for a slope
+        held_slope = None if dt == 0.0 else memory.sloped
+        slope_r = self._yaw_slope(flying, command, aim) if held_slope is None else held_slope
+        r += (YAW_LEAD - lag) * slope_r - memory.inner.yaw_trim - yaw_sum
         # yaw is turned by torque that the thrust may need: near the top it waits
         room = max(YAW_ROOM_MIN, (THRUST_MAX - zeta / (vehicle.mass * most_lift) * THRUST_MAX) / YAW_SHARE)
         turning = there.w_b[2] - memory.inner.yaw_trim
@@ -156,6 +163,7 @@ class RateSteering:
         after = memory._replace(
             sent=sent, zeta=later, yaw_sum=yaw_sum, pace=pace, limited=limited or thrust > STRAINED,
             delay=acts_after,
+            sloped=slope_r if held_slope is None else None,
             moving=isinstance(aim, Along) and abs(command.alpha * aim.ramp.factor) > MOVING,
         )  # fmt: skip
         return Steered(
@@ -259,13 +267,13 @@ class RateSteering:
         )  # fmt: skip
         sent = memory.sent
         past = 0
-        while past + 1 < len(sent) and sent[past + 1].at <= now:
+        while past + 1 < len(sent) and sent[past + 1].at <= now - KEPT:
             past += 1
         # what was clipped or held did not happen as it was sent
         if memory.limited or known.stuck:
             lag = begun_anew(memory.lag, state.w_b)
         else:
-            lag = followed_lag(memory.lag, self.response.motor_lag, sent, before.t_boot, now, state.w_b)
+            lag = followed_lag(memory.lag, self.response.motor_lag, sent, now, state.w_b)
         return memory._replace(state=state, observed=known, inner=inner, sent=sent[past:], lag=lag)
 
     def _response(self, memory: RateMemory) -> Response:
