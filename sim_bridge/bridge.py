@@ -215,6 +215,9 @@ class Bridge:
                     self._texts_left, self._tell_again_at = TEXTS, self.now + TEXTS_PERIOD
                 if self._texts_left > 0:
                     self._texts_left -= 1
+                    self.autopilot.events.happened(
+                        text, self.autopilot.estimate.time_us, commander.intent, commander.mode
+                    )  # fmt: skip
                     for link in self.links:
                         link.say(text)
             commander.texts.clear()

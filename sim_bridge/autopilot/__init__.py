@@ -22,5 +22,7 @@ autopilot   one step: estimate in, motor commands out
 messages    what the vehicle says, message by message
 streams     when it says it
 commands    what it answers to commands
+events      what is said in numbers beside the texts
+file_link   files over MAVLink
 link        one endpoint: bytes in, bytes out
 """

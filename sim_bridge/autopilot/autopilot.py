@@ -13,6 +13,7 @@ from sim_bridge.autopilot import mission_watch, parameters
 from sim_bridge.autopilot.battery import Battery, ChargeState
 from sim_bridge.autopilot.commander import MANUAL, READY_AFTER, Commander, Result, Severity, Text
 from sim_bridge.autopilot.contacts import Contacts
+from sim_bridge.autopilot.events import Events
 from sim_bridge.autopilot.fence_watch import FenceWatch
 from sim_bridge.autopilot.guidance import Guidance, Throttle
 from sim_bridge.autopilot.landing import LandingDetector
@@ -60,6 +61,7 @@ class Autopilot:
         self.parameters = parameters.of(vehicle, home)
         self.battery = Battery(self.parameters)
         self.commander = Commander(self.parameters, READY_AFTER)
+        self.events = Events()
         self.contacts = Contacts(self.parameters, self.commander)
         self._tilt = TiltWatch(self.parameters)
         self.missions = Store()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
-from sim_bridge.autopilot import file_link, parameter_link, position_setpoints
+from sim_bridge.autopilot import events, file_link, parameter_link, position_setpoints
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import Result, Severity, Text
 from sim_bridge.autopilot.commands import SET_MODE, Command, execute, is_integer_max, place_given, set_mode, stray
@@ -62,6 +62,7 @@ class Link:
         self._missions = MissionLink(
             autopilot.missions, autopilot.mission, SYSTEM, self.emit, autopilot.commander.texts.append
         )  # fmt: skip
+        self._events = events.EventLink(autopilot.events, SYSTEM, self.emit)
         self._builders = BUILDERS | {_LINK_NODE_STATUS.id: (_LINK_NODE_STATUS, self._link_node_status)}
         self._editions: dict[int, object] = {}
         self._texts = 0
@@ -86,6 +87,7 @@ class Link:
             position_setpoints.LOCAL.id: self._local_target,
             position_setpoints.GLOBAL.id: self._global_target,
             file_link.FTP.id: FileLink(SYSTEM, self.emit).request,
+            events.REQUEST.id: self._events.requested,
             parameter_link.READ.id: self._parameters.read,
             parameter_link.LIST.id: self._parameters.list,
             parameter_link.SET.id: self._parameters.set,
@@ -134,6 +136,7 @@ class Link:
             self._poll_at_us = now_us + POLL_US
             self._parameters.poll(now_us)
             self._missions.poll(now_us)
+            self._events.poll(now_us)
 
     def emit(self, fmt: Format, values: tuple[Value, ...]) -> None:
         """Queue a message."""
