@@ -397,5 +397,6 @@ def test_commands_of_navigation_change_the_mode() -> None:
     for command, mode in ((LAND, Mode.LAND), (RETURN, Mode.RETURN), (TAKEOFF, Mode.TAKEOFF)):
         assert client.command(command, *(NAN,) * 7) == ACCEPTED
         assert client.flown is mode
+        client.run(0.1)
     assert "Landing at current position\t" in client.texts()
     assert "RTL: start return at 499 m (10 m above destination)\t" in client.texts()

@@ -8,6 +8,7 @@ contacts    who has been heard lately
 sticks      a pilot's sticks
 stick_flight  what the modes that need a pilot fly
 battery     how full it is
+fact_watch  the facts these decide by, kept up to date
 tilt_watch  whether the vehicle has tipped over
 landing     whether the vehicle is on the ground
 setpoints, position_setpoints   offboard setpoints as PX4 reads them

@@ -9,9 +9,9 @@ from companion.geodesy import MapProjection
 from companion.mavlink.modes import Landed, Mode
 from companion.vehicle import Vehicle
 from companion.world import Home
-from sim_bridge.autopilot import mission_watch, parameters
-from sim_bridge.autopilot.battery import Battery, ChargeState
-from sim_bridge.autopilot.commander import MANUAL, READY_AFTER, Commander, Result, Severity, Text
+from sim_bridge.autopilot import fact_watch, mission_watch, parameters
+from sim_bridge.autopilot.battery import Battery
+from sim_bridge.autopilot.commander import MANUAL, READY_AFTER, Commander, Result, Severity
 from sim_bridge.autopilot.contacts import Contacts
 from sim_bridge.autopilot.events import Events
 from sim_bridge.autopilot.fence_watch import FenceWatch
@@ -35,11 +35,6 @@ BY_LEGS = frozenset({Mode.RETURN, Mode.MISSION, Mode.PRECISION_LAND, Mode.DESCEN
 """Modes that may come to a landing."""
 SUPERVISION_US = 20_000
 """The period at which timers, landing and the end of modes are looked at."""
-LOW_BATTERY = {
-    ChargeState.LOW: Text(Severity.CRITICAL, "Low battery\t"),
-    ChargeState.CRITICAL: Text(Severity.CRITICAL, "Critical battery\t"),
-    ChargeState.EMERGENCY: Text(Severity.EMERGENCY, "Emergency battery level\t"),
-}
 UNIX_US_AT_BOOT = 1_767_225_600_000_000
 """What the wall's clock shows at boot where nobody sets it: the first of January 2026."""
 
@@ -63,7 +58,7 @@ class Autopilot:
         self.commander = Commander(self.parameters, READY_AFTER)
         self.events = Events()
         self.contacts = Contacts(self.parameters, self.commander)
-        self._tilt = TiltWatch(self.parameters)
+        self.tilt = TiltWatch(self.parameters)
         self.missions = Store()
         self.mission = MissionFlight(self.parameters, self.missions, self.projection, home.altitude)
         self.guidance = Guidance(self.parameters, self.mission)
@@ -181,7 +176,7 @@ class Autopilot:
         commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
-        self._gather(estimate)
+        fact_watch.gather(self, SUPERVISION_US * 1e-6)
         mission_watch.look_after(self)
         commander.update(self.t)
         self.whereabouts.update(estimate, commander.armed, commander.landed)
@@ -202,21 +197,6 @@ class Autopilot:
     def home_altitude(self) -> float:
         """m above the sea."""
         return self.home.altitude - self.guidance.home_n[2]
-
-    def _gather(self, estimate: Estimate) -> None:
-        """Bring the commander's facts up to date."""
-        commander, facts = self.commander, self.commander.facts
-        self.battery.update(SUPERVISION_US * 1e-6, commander.armed)
-        self.contacts.update(self.t)
-        known = self.whereabouts.home_set_us is not None
-        self.fence.update(self.t, estimate.p_n, self.guidance.home_n if known else None)
-        if self.battery.state is not facts.charge:
-            facts.charge = self.battery.state
-            if facts.charge in LOW_BATTERY:
-                commander.say(*LOW_BATTERY[facts.charge])
-        facts.sticks_lost = self.sticks.is_lost(self.t)
-        rates_alone = commander.mode is Mode.ACRO or isinstance(self.demand, RateDemand | MotorDemand)
-        facts.tipped_over = self._tilt.update(self.t, estimate.q_nb, commander.armed and not rates_alone)
 
     def offboard(self, demand: Demand) -> None:
         """An offboard setpoint. Motor commands count only where the vehicle takes them."""
@@ -239,14 +219,7 @@ class Autopilot:
 
     def request_mode(self, mode: Mode, aloud: bool = True) -> Result:
         """Somebody asks for a mode. ``aloud``: a refusal is told in words."""
-        result = self.commander.request_mode(mode, self.t, aloud)
-        if result is Result.ACCEPTED and mode is Mode.RETURN and self.commander.armed:
-            height = self.guidance.return_height(self.estimate)
-            above = round(height + self.home.altitude), round(height)
-            self.commander.say(
-                Severity.INFO, f"RTL: start return at {above[0]} m ({above[1]} m above destination)\t"
-            )  # fmt: skip
-        return result
+        return self.commander.request_mode(mode, self.t, aloud)
 
     def go_to(
         self, level: tuple[float, float] | None, down: float | None, heading: float | None, speed: float | None
@@ -270,6 +243,12 @@ class Autopilot:
         if mode is Mode.TAKEOFF and self.guidance.takeoff_to is None:
             height = self.parameters["MIS_TAKEOFF_ALT"]
             self.commander.say(Severity.INFO, f"Using default takeoff altitude: {height:.1f} m\t")
+        if mode is Mode.RETURN:
+            height = self.guidance.return_height(self.estimate)
+            above = round(height + self.home.altitude), round(height)
+            self.commander.say(
+                Severity.INFO, f"RTL: start return at {above[0]} m ({above[1]} m above destination)\t"
+            )  # fmt: skip
         if mode in MANUAL:
             self.stick_flight.enter(mode, self.estimate)
         else:

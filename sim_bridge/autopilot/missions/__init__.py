@@ -2,6 +2,7 @@
 
 items      one item: from the wire, to the wire, its share in the list's id
 store      the three lists and which mission item is current
+voice      what is said of them
 protocol   the mission protocol on one link
 checks     what PX4 refuses to fly
 fence      inside or outside

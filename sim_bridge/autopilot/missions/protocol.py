@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable, Mapping
-from typing import Protocol
 
 from companion.mavlink.codec import Frame
-from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink.dialect import Value, message
 from sim_bridge.autopilot.commander import Severity, Text
 from sim_bridge.autopilot.missions.items import (
     ITEM,
@@ -18,9 +17,9 @@ from sim_bridge.autopilot.missions.items import (
     checksum,
     of_a_fence,
     read,
-    values,
 )
 from sim_bridge.autopilot.missions.store import ALL, MOST, Kind, Store
+from sim_bridge.autopilot.missions.voice import ACK, COUNT, REQUEST, REQUEST_INT, Peer, Progress, Send, Voice
 
 GIVE_UP_US, AGAIN_US = 5_000_000, 250_000
 """us of silence after which a transfer is given up, and after which the partner is asked again."""
@@ -29,15 +28,10 @@ TELL_US = 1_000_000
 REACHED_AGAIN = 10
 """How many times it is told again that an item was reached."""
 OUR_COMPONENTS = (0, 1, 190)
-NONE_TOTAL = 65535
 TOO_FEW_CORNERS = 3
 _NOT_A_MISSION = {5001, 5002, 5003, 5004, 5100}
 
-_ACK, _CLEAR, _COUNT, _CURRENT = (message(f"MISSION_{name}") for name in ("ACK", "CLEAR_ALL", "COUNT", "CURRENT"))
-_LIST, _REQUEST, _REQUEST_INT = (message(f"MISSION_REQUEST{name}") for name in ("_LIST", "", "_INT"))
-_REACHED, _SET_CURRENT = message("MISSION_ITEM_REACHED"), message("MISSION_SET_CURRENT")
-
-Send = Callable[[Format, tuple[Value, ...]], None]
+_CLEAR, _LIST, _SET_CURRENT = (message(f"MISSION_{name}") for name in ("CLEAR_ALL", "REQUEST_LIST", "SET_CURRENT"))
 
 
 class State(enum.Enum):
@@ -48,26 +42,6 @@ class State(enum.Enum):
     SENDING = enum.auto()
 
 
-class Progress(Protocol):
-    """How far the flight of the mission has come."""
-
-    @property
-    def reached(self) -> int:
-        """The last item reached; -1 none."""
-
-    @property
-    def finished(self) -> bool:
-        """Whether the last item has been flown."""
-
-    @property
-    def state(self) -> int:
-        """MISSION_STATE."""
-
-    @property
-    def is_flown(self) -> bool:
-        """Whether the mission is being flown now."""
-
-
 class MissionLink:
     """One link's side, of the vehicle with system id ``system``. ``send``: on this link; ``say``: to every operator."""
 
@@ -75,7 +49,7 @@ class MissionLink:
         self, store: Store, progress: Progress, system: int, send: Send, say: Callable[[Text], None]
     ) -> None:  # fmt: skip
         self._store, self._progress, self._system = store, progress, system
-        self._send, self._say = send, say
+        self._voice, self._say = Voice(store, progress, send), say
         self._state = State.IDLE
         self._kind = 0
         self._partner = (0, 0)
@@ -88,12 +62,12 @@ class MissionLink:
         self._told: tuple[int, bool] = (0, False)
         self._reached, self._reached_again = -1, 0
         self.handlers: Mapping[int, Callable[[Frame], None]] = {
-            _ACK.id: self._acknowledged,
+            ACK.id: self._acknowledged,
             _CLEAR.id: self._clear,
-            _COUNT.id: self._counted,
+            COUNT.id: self._counted,
             _LIST.id: self._list,
-            _REQUEST.id: self._requested,
-            _REQUEST_INT.id: self._requested,
+            REQUEST.id: self._requested,
+            REQUEST_INT.id: self._requested,
             _SET_CURRENT.id: self._set_current,
             ITEM.id: self._item,
             ITEM_INT.id: self._item,
@@ -105,17 +79,17 @@ class MissionLink:
         told = (self._store.current, self._progress.finished)
         if told != self._told:
             self._told = told
-            self._tell_current()
+            self._voice.current()
         if self._progress.reached != self._reached:
             self._reached, self._reached_again = self._progress.reached, REACHED_AGAIN
             if self._reached >= 0:
-                self._send(_REACHED, _REACHED.values(seq=self._reached))
+                self._voice.reached(self._reached)
         elif now_us >= self._tell_at_us:
             self._tell_at_us = now_us + TELL_US
-            self._tell_current()
+            self._voice.current()
             if self._reached >= 0 and self._reached_again > 0:
                 self._reached_again -= 1
-                self._send(_REACHED, _REACHED.values(seq=self._reached))
+                self._voice.reached(self._reached)
         if self._state is State.IDLE:
             return
         if now_us - self._heard_us > GIVE_UP_US:
@@ -149,7 +123,7 @@ class MissionLink:
         said = frame.format.named(frame.values)
         if not self._is_ours(said):
             return
-        self._whole = frame.format is _REQUEST_INT
+        self._whole = frame.format is REQUEST_INT
         if (frame.system, frame.component) != self._partner:
             self._complain("WPM: REJ. CMD: partner id mismatch\t")
         elif self._state is State.RECEIVING:
@@ -162,7 +136,8 @@ class MissionLink:
             elif asked != self._expected - 1:
                 asked = len(items)
             if asked < len(items):
-                self._tell_item(asked, items[asked])
+                self._sent_us = self._now
+                self._voice.item(self._partner, self._kind, asked, items[asked], self._whole)
             else:
                 self._state = State.IDLE
                 self._acknowledge(self._partner, Answer.ERROR)
@@ -301,33 +276,14 @@ class MissionLink:
     def _ask(self) -> None:
         """For the next item."""
         self._sent_us = self._now
-        fmt = _REQUEST_INT if self._whole else _REQUEST
-        self._send(fmt, fmt.values(seq=self._expected, **self._to(self._partner)))
+        self._voice.ask(self._partner, self._kind, self._expected, self._whole)
 
     def _tell_count(self) -> None:
         self._sent_us = self._now
-        identity = self._store.ids[Kind(self._kind)] if self._kind in tuple(Kind) else 0
-        self._send(_COUNT, _COUNT.values(count=self._count, opaque_id=identity, **self._to(self._partner)))
+        self._voice.count(self._partner, self._kind, self._count)
 
-    def _tell_item(self, index: int, item: Item) -> None:
-        self._sent_us = self._now
-        others = {"seq": index, "current": int(self._store.current == index)} | self._to(self._partner)
-        self._send(ITEM_INT if self._whole else ITEM, values(item, self._whole, others))
-
-    def _tell_current(self) -> None:
-        store, progress = self._store, self._progress
-        total = len(store.items[Kind.MISSION])
-        self._send(_CURRENT, _CURRENT.values(
-            seq=store.current, total=total or NONE_TOTAL, mission_state=progress.state,
-            mission_mode=1 if progress.is_flown else 2, mission_id=store.ids[Kind.MISSION],
-            fence_id=store.ids[Kind.FENCE], rally_points_id=store.ids[Kind.RALLY],
-        ))  # fmt: skip
-
-    def _acknowledge(self, to: tuple[int, int], answer: Answer, identity: int = 0) -> None:
-        self._send(_ACK, _ACK.values(type=answer.value, opaque_id=identity, **self._to(to)))
-
-    def _to(self, whom: tuple[int, int]) -> dict[str, Value]:
-        return {"target_system": whom[0], "target_component": whom[1], "mission_type": self._kind & 0xFF}
+    def _acknowledge(self, to: Peer, answer: Answer, identity: int = 0) -> None:
+        self._voice.acknowledge(to, self._kind, answer, identity)
 
     def _complain(self, text: str) -> None:
         self._say(Text(Severity.CRITICAL, text))

@@ -1,0 +1,36 @@
+"""The commander's facts, brought up to date: battery, contacts, fence, sticks, tilt."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from companion.mavlink.modes import Mode
+from sim_bridge.autopilot.battery import ChargeState
+from sim_bridge.autopilot.commander import Severity, Text
+from sim_bridge.autopilot.setpoints import MotorDemand, RateDemand
+
+if TYPE_CHECKING:
+    from sim_bridge.autopilot.autopilot import Autopilot
+
+LOW_BATTERY = {
+    ChargeState.LOW: Text(Severity.CRITICAL, "Low battery\t"),
+    ChargeState.CRITICAL: Text(Severity.CRITICAL, "Critical battery\t"),
+    ChargeState.EMERGENCY: Text(Severity.EMERGENCY, "Emergency battery level\t"),
+}
+
+
+def gather(autopilot: Autopilot, passed: float) -> None:
+    """``passed`` s after the last time."""
+    commander, now, t = autopilot.commander, autopilot.estimate, autopilot.t
+    facts = commander.facts
+    autopilot.battery.update(passed, commander.armed)
+    autopilot.contacts.update(t)
+    home_is_known = autopilot.whereabouts.home_set_us is not None
+    autopilot.fence.update(t, now.p_n, autopilot.guidance.home_n if home_is_known else None)
+    if autopilot.battery.state is not facts.charge:
+        facts.charge = autopilot.battery.state
+        if facts.charge in LOW_BATTERY:
+            commander.say(*LOW_BATTERY[facts.charge])
+    facts.sticks_lost = autopilot.sticks.is_lost(t)
+    rates_alone = commander.mode is Mode.ACRO or isinstance(autopilot.demand, RateDemand | MotorDemand)
+    facts.tipped_over = autopilot.tilt.update(t, now.q_nb, commander.armed and not rates_alone)
