@@ -13,8 +13,9 @@ from companion.mavlink.dialect import Value, message
 from sim_bridge.autopilot.parameters import Parameters
 
 MANUAL_CONTROL = message("MANUAL_CONTROL")
-LOSS_NOTICED_AFTER = 0.05
-"""s beyond COM_RC_LOSS_T until the loss is noticed: PX4 looks ten times a second."""
+LOSS_NOTICED_AFTER = 0.06
+"""s beyond twice COM_RC_LOSS_T until the loss is noticed: two of PX4's modules wait that long one after the other, and
+the second looks ten times a second (seen: 0.05 to 0.07)."""
 BY_MAVLINK = frozenset({1, 2, 3, 5, 6, 7, 8})
 """COM_RC_IN_MODE: those that take a joystick."""
 SMOOTHING = 0.05
@@ -76,7 +77,7 @@ class Sticks:
 
     def is_lost(self, t: float) -> bool:
         """Whether nobody holds them at ``t`` (s)."""
-        return t - self._at > self._parameters["COM_RC_LOSS_T"] + LOSS_NOTICED_AFTER
+        return t - self._at > 2.0 * self._parameters["COM_RC_LOSS_T"] + LOSS_NOTICED_AFTER
 
     def take(self, position: Deflection, source: object, t: float) -> None:
         """A sample."""
