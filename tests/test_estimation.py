@@ -269,7 +269,7 @@ def test_trust_in_measurements_follows_their_noise() -> None:
     assert not known.stuck
 
 
-@pytest.mark.parametrize("true", [0.055, 0.071, 0.1])
+@pytest.mark.parametrize("true", [0.067, 0.08, 0.1])
 def test_the_lag_of_the_rate_loop_is_found(true: float) -> None:
     """Told 71 ms; a gyro with noise, a loop whose gain is 5 % off, commands as a circle brings them."""
     rng = random.Random(4)

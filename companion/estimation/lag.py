@@ -19,9 +19,9 @@ MEAN_TIME, FOLLOW_TIME, SETTLE = 3.0, 2.0, 0.4
 """s: of the mean of the misses, of the lag towards the bottom, of the models after a new beginning."""
 TELLING = (5e-4) ** 2
 """(rad/s)^2: how much deeper the parabola's bottom must lie before it says anything."""
-SHORTEST, LONGEST = 0.7, 1.6
-"""Times the first belief: between these the lag is sought. A slow course shows the lag of slow commands only, and the
-loop is closed over the fast ones too."""
+SHORTEST, LONGEST = 0.9, 1.6
+"""Times the first belief: between these the lag is sought. A slow course shows the lag of slow commands only, which the
+integral of PX4's rate loop shortens, and the loop is closed over the fast ones too."""
 PERIOD, GAP_MAX = 0.024, 0.06
 """s between two looks, which is often enough; and without a state, after which the models begin anew."""
 
