@@ -83,19 +83,25 @@ class StickFlight:
     def _place(self, now: Estimate, north: float, east: float, climb: float, rate: float, step: float) -> Target:
         limits = self._parameters
         down = -climb * limits["MPC_Z_VEL_MAX_UP" if climb > 0.0 else "MPC_Z_VEL_MAX_DN"]
-        pace = Pace(acceleration=limits["MPC_ACC_HOR_MAX"], jerk=limits["MPC_JERK_MAX"])
         level_is_flown = self._mode in BY_POSITION
-        most = min(limits["MPC_VEL_MANUAL"], limits["MPC_XY_VEL_MAX"])
+        most = max(0.1, min(limits["MPC_VEL_MANUAL"], limits["MPC_XY_VEL_MAX"]))
         velocity = (north * most, east * most, down) if level_is_flown else (0.0, 0.0, down)
-        moved = along(self._reference, velocity, pace, step)
-        (x, y, z), (vx, vy, vz), (ax, ay, az) = moved
+        hardest = limits["MPC_ACC_HOR_MAX"]
+        if (north, east) != (0.0, 0.0):  # as against a drag that holds the speed at last: PX4's acceleration mode
+            vx, vy, _ = self._reference.v_n
+            gap = math.hypot(velocity[0] - vx, velocity[1] - vy)
+            hardest = min(hardest, max(0.05, 2.0 * limits["MPC_ACC_HOR"] / most * gap))
+        level = Pace(acceleration=hardest, jerk=limits["MPC_JERK_MAX"])
+        (x, y, _), (vx, vy, _), (ax, ay, _) = along(self._reference, velocity, level, step)
+        upright = level._replace(acceleration=limits["MPC_ACC_DOWN_MAX"])
+        (_, _, z), (_, _, vz), (_, _, az) = along(self._reference, velocity, upright, step)
         rests = (north, east) == (0.0, 0.0) and math.hypot(vx, vy) < STANDS_STILL
         rests_in_height = climb == 0.0 and abs(vz) < STANDS_STILL
         if not rests:
             x, y = now.p_n[:2]
         if not rests_in_height:
             z = now.p_n[2]
-        self._reference = Reference((x, y, z), moved.v_n, moved.a_n)
+        self._reference = Reference((x, y, z), (vx, vy, vz), (ax, ay, az))
         height = z if rests_in_height else None
         if not level_is_flown:
             lean = self._gravity * math.tan(math.radians(limits["MPC_MAN_TILT_MAX"]))
