@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from companion.frames import Vec3, euler_from_rotation, rotation_matrix
+from companion.frames import Vec3, euler_from_rotation, rotation_matrix, tilt
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
 from companion.world import Deviations, Event, World
@@ -109,6 +109,21 @@ def test_a_reset_moves_the_estimate_and_counts() -> None:
     assert (before["reset_counter"], after["reset_counter"]) == (11, 13)
     client.run(0.5)
     assert client.last("ODOMETRY")["reset_counter"] == 13
+
+
+def test_a_vehicle_in_hold_flies_back_gently_after_a_reset() -> None:
+    """As PX4 does: the reference jumps along, so that there is no step for the position loop to take."""
+    client = hovering(EstimatorReset(When(1.0), (5.0, 0.0, 1.0), yaw=math.radians(40.0)))
+    most = 0.0
+    for _ in range(50):
+        client.run(0.3)
+        most = max(most, tilt(rotation_matrix(client.bridge.truth.q_nb)))
+    assert most < math.radians(25.0)  # 3 m/s^2 of MPC_ACC_HOR and a little
+    estimate = client.bridge.autopilot.estimate
+    assert estimate.p_n == pytest.approx((0.0, 0.0, -10.0), abs=0.2)
+    assert client.bridge.truth.p_n == pytest.approx((-5.0, 0.0, -11.0), abs=0.2)
+    heading = euler_from_rotation(rotation_matrix(client.bridge.truth.q_nb))[0]
+    assert heading == pytest.approx(0.0, abs=0.05)  # the nose stays where it was
 
 
 @pytest.mark.parametrize("by", [5.0, -0.5, -100.0])

@@ -162,6 +162,8 @@ class Autopilot:
 
     def observe(self, estimate: Estimate, truth: Truth) -> None:
         """What the sensors say after the step."""
+        if estimate.resets != self.estimate.resets:
+            self.guidance.jumped(estimate)
         self.estimate = estimate
         self.truth = truth
         self._stands = truth.on_ground  # felt by the legs; nothing else of the truth is used

@@ -107,6 +107,14 @@ class Guidance:
         self._heading = heading
         self.cruise_speed = speed
 
+    def jumped(self, now: Estimate) -> None:
+        """The estimate has jumped: as in PX4 the reference goes on from the new one, back to where it was to be."""
+        heading = euler_from_rotation(rotation_matrix(now.q_nb))[0]
+        if self._place is None:
+            self._place, self._heading = self._reference.p_n, heading
+        self._reference = Reference(now.p_n, now.v_n)
+        self._nose.point(heading)
+
     @property
     def is_landing(self) -> bool:
         """Whether the vehicle is on its way down to the ground."""
