@@ -391,3 +391,12 @@ def test_a_mission_may_say_more_than_its_plan(tmp_path: Path) -> None:
     mission.write_text("mission: m\nframe: ned\npath: {kind: circle, center: [0, 0, -5], radius: 3}\nspeed: plan\n")
     with pytest.raises(ConfigError, match="the path is no plan"):
         load_mission(str(mission), Level.MOTORS)
+
+
+@pytest.mark.parametrize("turn", [40, 100, 125, 150, 179, 180])
+def test_corners_of_any_sharpness_can_be_flown(tmp_path: Path, turn: float) -> None:
+    along, across = 40.0 * math.cos(math.radians(turn)), 40.0 * math.sin(math.radians(turn))
+    mission = flown(tmp_path, waypoint(-40, 0, 10), waypoint(0, 0, 10), waypoint(along, across, 10))
+    bends = [math.hypot(*mission.table.at(0.02 * i)[2]) for i in range(4000)]
+    assert 1.0 / max(bends) > 0.35
+    assert mission.table.locate((0.0, 0.0, -10.0))[1] < 1.01

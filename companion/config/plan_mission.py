@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from companion.config.plan_yaw import leg_yaw
 from companion.fence import Fence
@@ -14,7 +15,7 @@ from companion.geodesy import LocalFrame
 from companion.mission import GlobalOrigin
 from companion.paths.curve import Curve
 from companion.paths.placement import Placement
-from companion.paths.polyline import polyline
+from companion.paths.polyline import PHI, polyline
 from companion.paths.spline import SPACING, spline
 from companion.plans.items import Plan, fence_in
 from companion.plans.route import Route, Waypoint, route
@@ -24,8 +25,13 @@ HOVER_SPEED = 5.0
 """m/s, QGroundControl's own default, for plans that do not say."""
 APART = 0.05
 """m; nearer waypoints are one."""
-TURN_BACK = math.radians(165.0)
-"""A turn from which on a corner is flown as two, one beside the other."""
+RADIUS_MIN = 0.5
+"""m; a rounded corner that bends tighter is flown as two."""
+BEND = 35.0 / 16.0
+"""Twice the largest second derivative of ``polyline``'s blend."""
+HALF_LEG_MIN = 1.2
+"""m, half the leg between the two: a turn on the spot then has a radius of 0.39 m."""
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,7 @@ def planned(plan: Plan, tolerance: float, smooth: bool, placement: Placement) ->
     relative = _relative(way)
     legs = _apart(way, frame)
     if not smooth:
-        legs = _turned_back(legs, tolerance)
+        legs = _turned_round(legs, tolerance)
     points = [placement.to_mission(p) for p in legs.points]
     curve = spline(points, legs.closed) if smooth else polyline(points, legs.closed, tolerance)
     curve = curve.placed(placement)
@@ -111,28 +117,38 @@ def _apart(way: Route, frame: LocalFrame) -> Legs:
     return Legs(points, kept, closed and len(points) > 2)
 
 
-def _turned_back(legs: Legs, tolerance: float) -> Legs:
-    """A turn on the spot is made a turn round ``tolerance`` m beside it: two corners instead of one."""
+def _turned_round(legs: Legs, tolerance: float) -> Legs:
+    """A corner too sharp to be rounded within ``tolerance`` m is flown as two, a short leg across it between them."""
     p = np.array(legs.points)
     ahead = np.roll(p, -1, axis=0) - p
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1), 1e-9)[:, None]
-    turns = np.arccos(np.clip(np.sum(np.roll(ahead, 1, axis=0) * ahead, axis=1), -1.0, 1.0))
+    cosines = np.clip(np.sum(np.roll(ahead, 1, axis=0) * ahead, axis=1), -1.0, 1.0)
+    # of the rounded corner of ``polyline`` at its tightest: tolerance / 0.598 / tan^2(turn/2)
+    radii = tolerance / (2.0 * PHI[-1]) / BEND * (1.0 + cosines) / np.maximum(1.0 - cosines, 1e-9)
+    half = max(tolerance, HALF_LEG_MIN)
     points: list[Vec3] = []
     waypoints: list[Waypoint] = []
     last = len(p) - 1
     for i, (point, waypoint) in enumerate(zip(legs.points, legs.waypoints, strict=True)):
-        inner = legs.closed or 0 < i < last
-        if not inner or turns[i] < TURN_BACK:
+        if (not legs.closed and i in (0, last)) or radii[i] > RADIUS_MIN:
             points.append(point)
             waypoints.append(waypoint)
             continue
-        north, east, _ = ahead[i - 1]
-        level = math.hypot(north, east)
-        side = (-east / level, north / level) if level > 1e-3 else (0.0, 1.0)
-        for sign in (-tolerance, tolerance):
-            points.append((point[0] + sign * side[0], point[1] + sign * side[1], point[2]))
+        for sign in (-half, half):
+            x, y, z = p[i] + sign * _across(ahead[i - 1], ahead[i])
+            points.append((float(x), float(y), float(z)))
             waypoints.append(waypoint)
     return replace(legs, points=points, waypoints=waypoints)
+
+
+def _across(before: Array, after: Array) -> Array:
+    """The direction half-way between two that nearly oppose each other; level, to the right, where they do."""
+    middle = before + after
+    length = float(np.linalg.norm(middle))
+    if length > 0.05:
+        return middle / length
+    north, east = before[:2] if math.hypot(*before[:2]) > 1e-3 else (1.0, 0.0)
+    return np.array([-east, north, 0.0]) / math.hypot(north, east)
 
 
 def _arcs(curve: Curve, legs: Legs, smooth: bool) -> list[float]:
