@@ -16,12 +16,15 @@ lint: .venv/installed-test
 	$(BIN)/mypy
 
 bench: .venv/installed-test
-	for script in bench/*.py; do echo "== $$script"; $(BIN)/python -m bench.$$(basename $$script .py) || exit 1; done
+	for script in $(filter-out bench/__init__.py bench/gallery.py,$(wildcard bench/*.py)); do echo "== $$script"; $(BIN)/python -m bench.$$(basename $$script .py) || exit 1; done
 
 .venv/installed-%: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --editable '.[$*]'
 	touch $@
+
+gallery: .venv/installed-report
+	$(BIN)/python bench/gallery.py
 
 schema: .venv/installed-test
 	for kind in mission vehicle world; do $(BIN)/companion schema $$kind > schema/$$kind.schema.json || exit 1; done
@@ -29,4 +32,4 @@ schema: .venv/installed-test
 clean:
 	rm -rf .venv flights
 
-.PHONY: demo test lint bench schema clean
+.PHONY: demo test lint bench gallery schema clean
