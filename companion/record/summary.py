@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from companion.flight.phases import Phase
 from companion.frames import Vec3, rotation_matrix, tilt, wrap
 from companion.plan import Plan
+from companion.record.found import found, found_words
 from companion.record.table import Table
 from companion.vehicle import OutputLevel
 
@@ -43,7 +44,8 @@ def summary(
         true = _true(plan, table, truth)
         result["truth"] = {"follow": _figures(true, plan), "settled": _settled(true, plan, settle)}
     result["loop"] = _loop(table)
-    result["notes"] = _notes(told, plan)
+    result["found"] = found(told)
+    result["notes"] = _notes(told, plan) + found_words(result["found"], plan.vehicle)
     result["record"] = record
     return result
 
