@@ -58,7 +58,7 @@ def poles_of(gains: Sequence[float]) -> list[complex]:
 
 PATH_POLES = {Level.MOTORS: (-5.0,) * 4, Level.RATES: (-5.0,) * 3}
 SPEED_POLES = {Level.MOTORS: (-3.0,) * 3, Level.RATES: (-2.5,) * 2}
-YAW_POLES = {Level.MOTORS: (-2.0,) * 2, Level.RATES: (-2.0,)}
+YAW_POLES = {Level.MOTORS: (-2.0,) * 2, Level.RATES: (-2.25,)}
 """What is flown where a mission gives no gains: fast enough to stay linear, slow enough for the delays."""
 
 

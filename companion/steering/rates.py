@@ -37,7 +37,7 @@ MOVING = 0.5
 """m/s: a vehicle told to fly faster is expected to move."""
 YAW_LEAD = 0.36
 """s, how much earlier than it is wanted a yaw rate is asked for; the yaw loop's lag for what turns at 1 to 3 rad/s."""
-YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.25, 0.3, 0.3
+YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.07, 0.3, 0.3
 """Of the square of the yaw gain (a quarter would put both poles of the heading at half the gain); rad/s; rad of error
 within which it is summed."""
 YAW_SHARE, YAW_ROOM_MIN = 0.2, 0.05
