@@ -9,9 +9,11 @@ import pytest
 
 from companion.cli.check import looked_at
 from companion.cli.finish import COMPLETED, Ending
+from companion.cli.new import new
 from companion.cli.orders import read_sortie
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, at_home, in_lockstep
+from companion.config.examples import PATHS
 from companion.mission import GlobalOrigin
 from companion.record.replay import load_flight, replay
 from companion.world import Home, World
@@ -35,6 +37,16 @@ def test_a_plan_flies_and_is_replayed(tmp_path: Path, output: Output, from_groun
     again = replay(load_flight(folder))
     assert again.difference is None
     assert again.setpoints > 500
+
+
+@pytest.mark.parametrize("kind", PATHS)
+def test_an_example_of_every_kind_flies(kind: str, tmp_path: Path) -> None:
+    new(kind, tmp_path / "mine.yaml", force=False)
+    sortie = looked_at(read_sortie(str(tmp_path / "mine.yaml"), None, Output.MOTORS, direct=True))[0]
+    folder = tmp_path / "flight"
+    assert in_lockstep(Simulation(sortie, World(), "ideal", 0, False, 2.0, folder, Ending(True, 0.5))) == COMPLETED
+    figures = json.loads((folder / "summary.json").read_text())
+    assert figures["truth"]["settled"]["path_error_m"]["max"] < 0.02
 
 
 def test_a_world_without_a_place_is_where_the_plan_is(tmp_path: Path) -> None:
