@@ -222,7 +222,7 @@ def test_fly_refuses_what_cannot_be_flown_before_anything_is_opened(
 ) -> None:
     fast = tmp_path / "fast.yaml"
     fast.write_text(GOOD.format(speed=9.0, r=6.0, yaw=0.0, z=12.0, frame="enu"))
-    words = ["companion", "fly", str(fast), "--connect", "udpin://127.0.0.1:0", "--record", str(tmp_path / "flight")]
+    words = ["companion", "fly", str(fast), "--connect", "udpin://127.0.0.1:9", "--record", str(tmp_path / "flight")]
     monkeypatch.setattr("sys.argv", words)
     with pytest.raises(SystemExit) as left:
         main()
