@@ -26,7 +26,8 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     plan         a mission made ready to fly                         pilot       one tick
     world        what a simulated world is                           mavlink     the wire
     config       files people write -> values                        record      the evidence, and what is made of it
-    daemon       the only sockets and clocks                         cli         the commands
+    daemon       the only sockets and clocks                         services    MAVSDK, off the control path
+    cli          the commands
 
 The vehicle's software stand-in is its own package, ``sim_bridge``, with its own derivation of the physics.
 """

@@ -34,12 +34,13 @@ MAY_IMPORT: dict[str, str] = {
     "config": "frames fence geodesy plans calculus vehicle world paths profiles law mission",
     "record": "frames vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
     "daemon": "frames geodesy vehicle paths estimation flight mission places plan pilot mavlink record",
+    "services": "frames fence geodesy vehicle flight places",
     "cli": "*",
 }
 SIM_BRIDGE = {"frames", "geodesy", "vehicle", "world", "mavlink"}
 SIM_BRIDGE_SHELL = {"sim_bridge/__main__.py", "sim_bridge/server.py"}
 IMPURE = {"socket", "select", "time", "signal", "threading", "random", "subprocess", "os", "termios", "gc"}
-MAY_BE_IMPURE = {"daemon", "config", "record", "cli"}
+MAY_BE_IMPURE = {"daemon", "config", "record", "services", "cli"}
 
 
 def imports(path: Path) -> set[str]:

@@ -179,6 +179,29 @@ def fly(
 
 
 @app.command()
+def preflight(
+    connect: Annotated[str, typer.Option(help="udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD.")],
+    mission: Annotated[str | None, typer.Argument(metavar="[MISSION]", help="Where it would run, too.")] = None,
+    vehicle: VehicleName = None,
+    upload: Annotated[
+        bool,
+        typer.Option("--upload", help="Put the curve into the vehicle's mission, and the fence into its geofence."),
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Look at a vehicle before a flight: what its parameters do when something goes wrong, what we advise, and why."""
+    from companion.cli.orders import Faults, read_sortie
+    from companion.cli.preflight import preflight as look
+    from companion.daemon.address import parsed
+
+    faults = Faults()
+    faults.collect(lambda: parsed(connect))
+    sortie = None if mission is None else faults.collect(lambda: read_sortie(mission, vehicle, Output.AUTO))
+    faults.raise_any()
+    raise typer.Exit(look(connect, sortie, upload=upload, as_json=json))
+
+
+@app.command()
 def demo(
     fast: Annotated[bool, typer.Option("--fast", help="In lockstep instead of real time.")] = False,
     output: OutputName = Output.MOTORS,

@@ -1,0 +1,75 @@
+"""``preflight``: the vehicle's parameters looked at before a flight; the curve and the fence put on its map."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from companion.cli.finish import COMPLETED, FAILED, NO_VEHICLE, refuse, say
+from companion.cli.orders import Sortie
+from companion.flight.preflight import RATE_WANTED
+from companion.mission import Origin
+from companion.places.standing import PlaceError, placed
+from companion.places.words import place_words
+from companion.services.audit import Finding, Weight, audited
+from companion.services.vehicle import ServiceError, Vehicle, connected
+
+POINTS = 60
+
+
+def preflight(url: str, sortie: Sortie | None, *, upload: bool, as_json: bool) -> int:
+    """Look, and upload where asked to; the exit code: 1 where something is not to be flown with."""
+    with connected(url) as vehicle:
+        if vehicle is None:
+            say(f"no vehicle: no autopilot was heard on {url} within 10 s; is it on, and does it send here?")
+            return NO_VEHICLE
+        try:
+            findings = audited(vehicle.parameters())
+            rate = vehicle.state_rate()
+            words = [] if sortie is None else _place(vehicle, sortie, upload)
+        except (ServiceError, PlaceError) as error:
+            return refuse(str(error), as_json)
+    dangers = [finding for finding in findings if finding.weight is Weight.DANGER]
+    slow = rate < RATE_WANTED
+    if as_json:
+        print(json.dumps(_document(findings, rate, words), indent=2))
+    else:
+        _print(findings, rate, words)
+    return FAILED if dangers or slow else COMPLETED
+
+
+def _place(vehicle: Vehicle, sortie: Sortie, upload: bool) -> list[str]:
+    """Where the path would run, and what was uploaded."""
+    where = vehicle.whereabouts()
+    mission = placed(sortie.mission, Origin.TAKEOFF, where)
+    words = str(place_words(sortie.mission, Origin.TAKEOFF, where)).splitlines()
+    if upload:
+        assert where.frame is not None
+        _, points = mission.table.samples(POINTS)
+        curve = [(float(x), float(y), float(z)) for x, y, z in points]
+        vehicle.upload(curve, mission.fence_n, where.frame)
+        fence = "" if mission.fence_n is None else f", and a fence of {len(mission.fence_n.areas)} areas"
+        words.append(f"uploaded: the curve as {POINTS} waypoints{fence}")
+    return words
+
+
+def _document(findings: list[Finding], rate: float, words: list[str]) -> dict[str, Any]:
+    return {
+        "schema": "companion.preflight/1",
+        "ok": all(finding.weight is not Weight.DANGER for finding in findings) and rate >= RATE_WANTED,
+        "state_rate_hz": round(rate, 1),
+        "parameters": [finding._asdict() | {"weight": finding.weight.value} for finding in findings],
+        "path": words,
+    }
+
+
+def _print(findings: list[Finding], rate: float, words: list[str]) -> None:
+    marks = {Weight.FINE: "  ", Weight.ADVICE: "! ", Weight.DANGER: "!!"}
+    for finding in findings:
+        now = "-" if finding.now is None else f"{finding.now:g}"
+        line = f"{marks[finding.weight]} {finding.parameter:18}{now:>8}"
+        print(line if finding.weight is Weight.FINE else f"{line}   advised: {finding.advised}; {finding.why}")
+    enough = "" if rate >= RATE_WANTED else f", {RATE_WANTED:g} are needed: raise the link's speed"
+    print(f"{marks[Weight.FINE if not enough else Weight.DANGER]} {rate:.0f} states a second arrive{enough}")
+    for line in words:
+        print(f"   {line}")

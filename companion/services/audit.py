@@ -1,0 +1,99 @@
+"""The parameters that decide how a flight ends when something goes wrong: what is set, what we advise, and why."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from companion.flight.output import FATAL_ON_LOSS, HOLD_ON_LOSS, LOSS_TIME_MAX, SANE_ON_LOSS
+
+Values = Mapping[str, float]
+
+
+class Weight(enum.Enum):
+    """How much a finding weighs: as it should be, better otherwise, or not to be flown with."""
+
+    FINE = "fine"
+    ADVICE = "advice"
+    DANGER = "danger"
+
+
+class Finding(NamedTuple):
+    """``now``: what is set, None where the vehicle does not have it. ``advised``: in words, with the reason ``why``."""
+
+    parameter: str
+    now: float | None
+    weight: Weight
+    advised: str
+    why: str
+
+
+class Rule(NamedTuple):
+    """``judged``: the weight of a value, beside all the others."""
+
+    parameter: str
+    judged: Callable[[float, Values], Weight]
+    advised: str
+    why: str
+
+
+def _when(good: Callable[[float, Values], bool], otherwise: Weight) -> Callable[[float, Values], Weight]:
+    return lambda value, values: Weight.FINE if good(value, values) else otherwise
+
+
+def _on_loss(value: float, values: Values) -> Weight:
+    if int(value) in FATAL_ON_LOSS:
+        return Weight.DANGER
+    return Weight.FINE if int(value) in SANE_ON_LOSS else Weight.ADVICE
+
+
+def _far_enough(value: float, values: Values) -> bool:
+    return value == 0.0 or value >= 20.0
+
+
+RULES: tuple[Rule, ...] = (
+    Rule("COM_OF_LOSS_T", _when(lambda v, _: v <= LOSS_TIME_MAX, Weight.ADVICE), f"{LOSS_TIME_MAX:g} s or less",
+         "for so long PX4 flies the last body rate when setpoints stop; longer, and auto flies attitude"),
+    Rule("COM_OBL_RC_ACT", _on_loss, f"{HOLD_ON_LOSS} (Hold), or 3 (Return), 4 (Land)",
+         "what PX4 does when setpoints stop"),
+    Rule("NAV_RCL_ACT", _when(lambda v, _: int(v) not in (5, 6), Weight.DANGER), "2 (Return) or 1 (Hold)",
+         "what a lost remote control does; 5 and 6 cut the motors"),
+    Rule("NAV_DLL_ACT", _when(lambda v, _: int(v) not in (5, 6), Weight.DANGER), "0 (nothing), 1 (Hold) or 2 (Return)",
+         "what a lost ground station does; 5 and 6 cut the motors"),
+    Rule("COM_LOW_BAT_ACT", _when(lambda v, _: int(v) != 0, Weight.ADVICE), "3 (Return, then Land) or 2 (Land)",
+         "with 0 a low battery is only told"),
+    Rule("BAT_LOW_THR", _when(lambda v, _: v >= 0.12, Weight.ADVICE), "0.15 or more",
+         "below it the companion hands the vehicle back"),
+    Rule("GF_ACTION", _when(lambda v, _: int(v) not in (0, 4), Weight.ADVICE), "2 (Hold) or 3 (Return)",
+         "what the vehicle's own fence does: 0 nothing, 1 only warns, 4 cuts the motors"),
+    Rule("GF_MAX_HOR_DIST", _when(_far_enough, Weight.ADVICE), "0 (none), or beyond the path",
+         "the companion hands back a metre before it"),
+    Rule("GF_MAX_VER_DIST", _when(_far_enough, Weight.ADVICE), "0 (none), or above the path",
+         "the companion hands back a metre before it"),
+    Rule("RTL_RETURN_ALT", _when(lambda v, _: v >= 10.0, Weight.ADVICE), "above every obstacle of the site, in m",
+         "the height PX4 returns at, also after it lost us"),
+    Rule("RTL_DESCEND_ALT", _when(lambda v, _: v >= 3.0, Weight.ADVICE), "3 m or more",
+         "the height at which a return waits above home"),
+    Rule("MIS_TAKEOFF_ALT", _when(lambda v, _: v >= 1.5, Weight.ADVICE), "1.5 m or more",
+         "the height PX4 takes off to before the path is joined"),
+    Rule("FD_FAIL_R", _when(lambda v, _: v == 0.0 or v >= 45.0, Weight.ADVICE), "60 degrees",
+         "the lean at which PX4 ends the flight; the companion stays 5 degrees under it"),
+    Rule("FD_FAIL_P", _when(lambda v, _: v == 0.0 or v >= 45.0, Weight.ADVICE), "60 degrees",
+         "the lean at which PX4 ends the flight; the companion stays 5 degrees under it"),
+    Rule("MPC_THR_HOVER", _when(lambda v, _: 0.2 <= v <= 0.75, Weight.ADVICE), "what the log of a hover shows",
+         "where the learning of the thrust begins"),
+    Rule("IMU_GYRO_RATEMAX", _when(lambda v, _: v >= 400.0 or v == 0.0, Weight.ADVICE), "400 Hz or more",
+         "PX4's rate loop runs at it"),
+)  # fmt: skip
+
+
+def audited(values: Values) -> list[Finding]:
+    """Every rule on a vehicle's parameters."""
+    findings = []
+    for rule in RULES:
+        value = values.get(rule.parameter)
+        weight = Weight.ADVICE if value is None else rule.judged(value, values)
+        why = rule.why if value is not None else f"this firmware does not have it; {rule.why}"
+        findings.append(Finding(rule.parameter, value, weight, rule.advised, why))
+    return findings

@@ -1,0 +1,159 @@
+"""A vehicle over MAVSDK, for what may take its time: parameters, rates, place, geofence and curve."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from companion.fence import Circle, Fence, Polygon
+from companion.frames import Vec3
+from companion.geodesy import LocalFrame
+from companion.places.standing import Whereabouts
+from companion.vehicle import CompanionError
+
+WAYPOINT = 16
+INSIDE_POLYGON, OUTSIDE_POLYGON, INSIDE_CIRCLE, OUTSIDE_CIRCLE = 5001, 5002, 5003, 5004
+GLOBAL_INT = 5
+MISSION, FENCE = 0, 1
+RATE_ASKED = 100.0
+RATE_OVER = 1.5
+"""s over which the rate of ODOMETRY is measured."""
+HEARTBEAT_WITHIN = 10.0
+PLACE_WITHIN = 15.0
+
+
+class ServiceError(CompanionError):
+    """The vehicle did not do, or not say, what was asked of it."""
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """One vehicle that was found. ``system``: MAVSDK's."""
+
+    system: Any
+
+    def parameters(self) -> dict[str, float]:
+        """Every parameter by name."""
+        from mavsdk.plugins.param import Param, ParamError
+
+        try:
+            every = Param(self.system).get_all_params()
+        except ParamError as error:
+            raise ServiceError(f"the vehicle does not tell its parameters: {error}") from None
+        return {each.name: each.value for each in (*every.int_params, *every.float_params)}
+
+    def state_rate(self) -> float:
+        """Hz of ODOMETRY that arrive when RATE_ASKED are asked for."""
+        from mavsdk.plugins.telemetry import Telemetry, TelemetryError
+
+        telemetry = Telemetry(self.system)
+        arrived = [0]
+
+        def count(*_: Any) -> None:
+            arrived[0] += 1
+
+        try:
+            telemetry.set_rate_odometry(RATE_ASKED)
+        except TelemetryError:
+            return 0.0
+        handle = telemetry.subscribe_odometry(count)
+        time.sleep(RATE_OVER)
+        telemetry.unsubscribe_odometry(handle)
+        return arrived[0] / RATE_OVER
+
+    def whereabouts(self) -> Whereabouts:
+        """Where it is. ServiceError: it does not know."""
+        from mavsdk.plugins.telemetry import LandedState, Telemetry, TelemetryError
+
+        telemetry = Telemetry(self.system)
+        ends = time.monotonic() + PLACE_WITHIN
+        while True:
+            try:
+                origin = telemetry.get_gps_global_origin()
+                break
+            except TelemetryError:
+                if time.monotonic() > ends:
+                    message = "the vehicle does not say where its local frame is (GPS_GLOBAL_ORIGIN); wait for its GPS"
+                    raise ServiceError(message) from None
+                time.sleep(0.5)
+        frame = LocalFrame(origin.latitude_deg, origin.longitude_deg, origin.altitude_m)
+        _wait(lambda: math.isfinite(telemetry.home().latitude_deg), 3.0)
+        _wait(lambda: math.isfinite(telemetry.position_velocity_ned().position.north_m), 3.0)
+        home, place = telemetry.home(), telemetry.position_velocity_ned().position
+        if not math.isfinite(place.north_m):
+            raise ServiceError("the vehicle does not know where it is; wait for its GPS")
+        known = math.isfinite(home.latitude_deg)
+        return Whereabouts(
+            (place.north_m, place.east_m, place.down_m),
+            telemetry.landed_state() == LandedState.ON_GROUND,
+            frame,
+            (home.latitude_deg, home.longitude_deg, home.absolute_altitude_m) if known else None,
+        )
+
+    def upload(self, points: Sequence[Vec3], fence: Fence | None, frame: LocalFrame) -> None:
+        """Put a curve into its mission and a fence into its geofence. ServiceError: it took one of them not."""
+        from mavsdk.plugins.mission_raw import MissionRaw, MissionRawError
+
+        raw = MissionRaw(self.system)
+        try:
+            raw.upload_mission([_item(i, WAYPOINT, MISSION, frame.to_global(p)) for i, p in enumerate(points)])
+            if fence is not None:
+                raw.upload_geofence(fence_items(fence, frame))
+        except MissionRawError as error:
+            raise ServiceError(f"the vehicle did not take the curve or the fence: {error}") from None
+
+
+@contextmanager
+def connected(url: str) -> Iterator[Vehicle | None]:
+    """The vehicle at an address; None where no autopilot is heard. CompanionError: the address cannot be opened."""
+    from mavsdk import ComponentType, Configuration, Mavsdk
+    from mavsdk.connection_result import ConnectionResult
+    from mavsdk.logging import log_subscribe
+
+    log_subscribe(lambda *_: True)  # it would write to stdout
+    # a ground station, not a companion: another companion on the link is refused by ``fly``
+    sdk = Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION))
+    try:
+        result = sdk.add_any_connection(url)
+        if result != ConnectionResult.SUCCESS:
+            raise ServiceError(f"{url} cannot be opened ({result}); is it in use by another program?")
+        system = sdk.first_autopilot(HEARTBEAT_WITHIN)
+        yield None if system is None else Vehicle(system)
+    finally:
+        sdk.destroy()
+
+
+def fence_items(fence: Fence, frame: LocalFrame) -> list[Any]:
+    """The geofence as mission items; coordinates of ``fence`` are those of the local frame."""
+    items: list[Any] = []
+    for area in fence.areas:
+        corners = area.corners if isinstance(area, Polygon) else (area.center,)
+        if isinstance(area, Circle):
+            kind, first = (INSIDE_CIRCLE if area.inside else OUTSIDE_CIRCLE), area.radius
+        else:
+            kind, first = (INSIDE_POLYGON if area.inside else OUTSIDE_POLYGON), float(len(corners))
+        for north, east in corners:
+            items.append(_item(len(items), kind, FENCE, frame.to_global((north, east, 0.0)), first))
+    return items
+
+
+def _item(number: int, command: int, kind: int, place: tuple[float, float, float], first: float = 0.0) -> Any:
+    from mavsdk.plugins.mission_raw import MissionItem
+
+    latitude, longitude, altitude = place
+    x, y = round(latitude * 1e7), round(longitude * 1e7)
+    current = int(number == 0 and kind == MISSION)
+    return MissionItem(
+        number, GLOBAL_INT, command, current, 1, first, 0.0, 0.0, math.nan, x, y, altitude if kind == MISSION else 0.0,
+        kind,
+    )  # fmt: skip
+
+
+def _wait(happens: Any, patience: float) -> None:
+    ends = time.monotonic() + patience
+    while not happens() and time.monotonic() < ends:
+        time.sleep(0.05)
