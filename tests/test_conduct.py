@@ -251,3 +251,16 @@ def test_a_vehicle_without_position_is_not_flown_and_it_says_why() -> None:
     assert "nothing was flown" in said
     assert not flown.setpoints
     assert flown.conductor.telemetry.status.landed is Landed.ON_GROUND
+
+
+def test_a_vehicle_of_another_mass_is_not_flown_and_it_says_why() -> None:
+    """The vehicle file says 2 kg on rotors of 34 N; this one hovers at a third of its thrust."""
+
+    def light(flown: Flown) -> None:
+        flown.between.bridge.autopilot.parameters["MPC_THR_HOVER"] = 0.3
+
+    flown = flight(level=OutputLevel.RATES, prepare=light)
+    assert flown.conductor.refusal is not None
+    assert flown.conductor.refusal.startswith("the vehicle hovers at a thrust of 0.30 (MPC_THR_HOVER) and x500 at 0.")
+    assert "--vehicle" in flown.conductor.refusal
+    assert not flown.setpoints

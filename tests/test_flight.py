@@ -10,7 +10,7 @@ import pytest
 from companion.flight.conduct import Finish, Manner
 from companion.flight.guards import CONFIRM_WITHIN, GUARDS, STALE_AFTER, decide
 from companion.flight.phases import EXITS, FLOWN, PHASES, PRE_EMPTIONS, TRANSITIONS, Event, Phase, Request, diagram
-from companion.flight.safety import Action, Verdict
+from companion.flight.safety import Action, Verdict, table
 from companion.flight.situation import Answer, Reply, Situation
 from companion.vehicle import Landed, Mode, VehicleStatus
 
@@ -210,3 +210,4 @@ def test_random_walks_never_raise_and_always_end() -> None:
 def test_the_diagram_in_the_docs_is_the_table() -> None:
     page = (Path(__file__).parent.parent / "docs" / "flight.md").read_text(encoding="utf-8")
     assert diagram() in page
+    assert table() in page

@@ -75,6 +75,9 @@ class Preparation:
 
     def _made(self, orders: Orders, state: VehicleState, now: float) -> Plan | None:
         tuning, vehicle = self.parameters.tuning(), orders.vehicle
+        another = output.another_vehicle(vehicle, tuning) if orders.level is not OutputLevel.MOTORS else None
+        if another is not None:
+            raise CompanionError(another)
         if self.choice is None:
             consent = orders.set_parameters
             self.choice = output.chosen(orders.level, tuning, auto=orders.auto, consent=consent)

@@ -12,6 +12,8 @@ from companion.vehicle import CompanionError, MotorInterface, OutputLevel, Tunin
 
 LOSS_TIME_MAX = 0.3
 """s that PX4 may fly a last body rate."""
+HOVER_APART = 1.6
+"""The factor between two hover thrusts from which on they are not one vehicle's: more than a battery or a payload."""
 HOLD_ON_LOSS = 5
 SANE_ON_LOSS = {0: "Position", 1: "Altitude", 3: "Return", 4: "Land", 5: "Hold"}
 FATAL_ON_LOSS = {6: "Terminate", 7: "Disarm"}
@@ -40,6 +42,18 @@ def motors_refused(vehicle: Vehicle, direct: bool | None) -> str | None:
             "fly it with --output rates or attitude"
         )
     return None
+
+
+def another_vehicle(vehicle: Vehicle, tuning: Tuning) -> str | None:
+    """Why the vehicle that answers cannot be the one of the vehicle file: they hover at quite different thrusts."""
+    told = tuning.hover_thrust
+    believed = vehicle.hover_thrust or vehicle.weight / vehicle.thrust_max
+    if not told or 1.0 / HOVER_APART < told / believed < HOVER_APART:
+        return None
+    return (
+        f"the vehicle hovers at a thrust of {told:.2f} (MPC_THR_HOVER) and {vehicle.name} at {believed:.2f}: another "
+        "mass or other motors; give the vehicle's own file with --vehicle, or set MPC_THR_HOVER"
+    )
 
 
 def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool) -> Choice:

@@ -71,8 +71,10 @@ class Sight(NamedTuple):
 
 
 class Row(NamedTuple):
-    """``breached`` for ``after`` s: ``action``. ``advice``: what to do next, for the pilot."""
+    """``breached`` for ``after`` s: ``action``. ``words``: the condition, for docs; ``advice``: what to do next, for
+    the pilot."""
 
+    words: str
     breached: Callable[[Sight, Limits], str | None]
     after: float
     action: Action
@@ -181,22 +183,66 @@ def _others(s: Sight, limits: Limits) -> str | None:
 
 
 ROWS: tuple[Row, ...] = (
-    Row(_estimator, 0.3, Action.ABORT, "land it by hand and see the estimator's log"),
-    Row(_jump, 0.0, Action.ABORT, "see why the estimator was reset, then start again"),
-    Row(_clock, 0.0, Action.ABORT, "see whether the autopilot restarted, then start again"),
-    Row(_tilt, 0.15, Action.ABORT, "land it and look at motors and propellers, or fly slower"),
-    Row(_rates, 0.4, Action.ABORT, "land it and look at motors and propellers"),
-    Row(_floor, 0.1, Action.HAND_BACK, "raise the path, or lower the floor"),
-    Row(_ceiling, 0.1, Action.HAND_BACK, "lower the path, or raise the ceiling"),
-    Row(_fence, 0.1, Action.HAND_BACK, "move the path, or the fence"),
-    Row(_own_fence, 0.1, Action.HAND_BACK, "move the path, or the vehicle's fence"),
-    Row(_tube, 1.0, Action.HAND_BACK, "fly slower or in less wind, or widen the tube"),
-    Row(_saturated, 4.0, Action.HAND_BACK, "fly slower; companion check says how much"),
-    Row(_battery, 2.0, Action.HAND_BACK, "land it and charge"),
-    Row(_off_the_path, 20.0, Action.HAND_BACK, "fly slower or in less wind"),
-    Row(_behind, 0.5, Action.HAND_BACK, "end what else runs on the computer, or ask for fewer states"),
-    Row(_slow, 1.0, Action.HAND_BACK, "raise the link's speed"),
-    Row(_others, 0.0, Action.HAND_BACK, "stop the other companion"),
+    Row(
+        "the estimator has lost attitude, velocity, position or height",
+        _estimator,
+        0.3,
+        Action.ABORT,
+        "land it by hand and see the estimator's log",
+    ),
+    Row(
+        "the estimate jumps, out of the tube",
+        _jump,
+        0.0,
+        Action.ABORT,
+        "see why the estimator was reset, then start again",
+    ),
+    Row(
+        "the vehicle's clock jumps", _clock, 0.0, Action.ABORT, "see whether the autopilot restarted, then start again"
+    ),
+    Row(
+        "the lean comes within 5 degrees of the vehicle's failure detector",
+        _tilt,
+        0.15,
+        Action.ABORT,
+        "land it and look at motors and propellers, or fly slower",
+    ),
+    Row(
+        "the vehicle turns 3 rad/s otherwise than it is told",
+        _rates,
+        0.4,
+        Action.ABORT,
+        "land it and look at motors and propellers",
+    ),
+    Row("below the floor", _floor, 0.1, Action.HAND_BACK, "raise the path, or lower the floor"),
+    Row("above the ceiling", _ceiling, 0.1, Action.HAND_BACK, "lower the path, or raise the ceiling"),
+    Row("outside the mission's fence", _fence, 0.1, Action.HAND_BACK, "move the path, or the fence"),
+    Row(
+        "within a metre of the vehicle's own fence",
+        _own_fence,
+        0.1,
+        Action.HAND_BACK,
+        "move the path, or the vehicle's fence",
+    ),
+    Row(
+        "outside the tube around the path",
+        _tube,
+        1.0,
+        Action.HAND_BACK,
+        "fly slower or in less wind, or widen the tube",
+    ),
+    Row("at the limits of the vehicle", _saturated, 4.0, Action.HAND_BACK, "fly slower; companion check says how much"),
+    Row("the battery is low", _battery, 2.0, Action.HAND_BACK, "land it and charge"),
+    Row("more than a metre from the path", _off_the_path, 20.0, Action.HAND_BACK, "fly slower or in less wind"),
+    Row(
+        "five states at once: the computer is behind",
+        _behind,
+        0.5,
+        Action.HAND_BACK,
+        "end what else runs on the computer, or ask for fewer states",
+    ),
+    Row("fewer than 12 states a second", _slow, 1.0, Action.HAND_BACK, "raise the link's speed"),
+    Row("another companion speaks on the link", _others, 0.0, Action.HAND_BACK, "stop the other companion"),
 )
 
 _BREACHED = tuple(row.breached for row in ROWS)
@@ -230,3 +276,11 @@ def watched(since: Since, sight: Sight, limits: Limits, now: float) -> tuple[Sin
         if start is not None and now - start >= row.after and row.action > worst.action:
             worst = Verdict(row.action, reason, row.advice)
     return tuple(later), worst
+
+
+def table() -> str:
+    """The rows as a Markdown table, for docs/."""
+    lines = ["| what | for | then |", "|---|---|---|"]
+    for row in ROWS:
+        lines.append(f"| {row.words} | {row.after:g} s | {row.action.name.lower().replace('_', ' ')} |")
+    return "\n".join(lines) + "\n"

@@ -83,6 +83,7 @@ class Vehicle:
         frame = LocalFrame(origin.latitude_deg, origin.longitude_deg, origin.altitude_m)
         _wait(lambda: math.isfinite(telemetry.home().latitude_deg), 3.0)
         _wait(lambda: math.isfinite(telemetry.position_velocity_ned().position.north_m), 3.0)
+        _wait(lambda: telemetry.landed_state() != LandedState.UNKNOWN, 5.0)
         home, place = telemetry.home(), telemetry.position_velocity_ned().position
         if not math.isfinite(place.north_m):
             raise ServiceError("the vehicle does not know where it is; wait for its GPS")
