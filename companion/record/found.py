@@ -19,7 +19,7 @@ Columns = Mapping[str, NDArray[np.float64]]
 
 def found(told: Columns) -> dict[str, Any] | None:
     """The last estimates of following, and the pace; None for an output that estimates nothing."""
-    if not len(told["t"]) or not math.isfinite(told["thrust_scale"][-1]):
+    if not len(told["t"]) or "thrust_scale" not in told or not math.isfinite(told["thrust_scale"][-1]):
         return None
     pace = told["pace"]
     return {

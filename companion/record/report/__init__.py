@@ -11,7 +11,8 @@
     space       figure 2: in space
     errors      figures 3 and 4: G1, G2, G3 over time and along the path
     motion      figures 5 and 6: attitude, thrust and what was sent, as in the paper's Figs. 3 and 4
-    timing      figures 7 and 8: the loop
+    estimates   what steering learned about the vehicle
+    timing      the loop
     gallery     the figures in their order, with their captions (pictures: what it hands on)
     timeline    the phases
     numbers     a number as a reader wants it, and the table of them

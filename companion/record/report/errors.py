@@ -55,7 +55,7 @@ def over_time(evidence: Evidence) -> Figure:
         if logarithmic:
             decades(panel, max(goal.floor, 0.3 * rest), float(np.max(np.abs(seen))))
         else:
-            _linear(panel, goal, seen)
+            _linear(panel, goal, seen if true is None else np.concatenate([seen, goal.factor * true[goal.column]]))
         named(panel, f"{goal.name}, {goal.unit}")
         if settled is not None:
             panel.axvline(settled, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 from matplotlib.figure import Figure
 
-from companion.record.report import above, errors, motion, space, timing
+from companion.record.report import above, errors, estimates, motion, space, timing
 from companion.record.report.evidence import Evidence
 from companion.record.report.numbers import worded
 from companion.record.report.pictures import Picture, Section
@@ -24,7 +25,8 @@ def figures(evidence: Evidence) -> list[Section]:
     with drawing():
         if not evidence.followed:
             return [_track(evidence), NOT_FOLLOWED]
-        return [_track(evidence), _errors(evidence), _motion(evidence), _timing(evidence)]
+        found = [_estimates(evidence)] if estimates.known(evidence) else []
+        return [_track(evidence), _errors(evidence), _motion(evidence), *found, _timing(evidence)]
 
 
 def _picture(name: str, draw: Callable[[], Figure], caption: str) -> Picture:
@@ -104,6 +106,27 @@ def _motion(evidence: Evidence) -> Section:
 
 def _goes_negative(evidence: Evidence) -> bool:
     return any(float(evidence.told[f"sent_{i}"].min()) < 0.0 for i in range(4))
+
+
+def _estimates(evidence: Evidence) -> Section:
+    told = evidence.told
+    slowest = float(np.nanmin(told["pace"])) if np.isfinite(told["pace"]).any() else 1.0
+    words = []
+    if slowest < 0.995:
+        share = 100.0 * float(np.mean(told["pace"] < 0.995))
+        words.append(
+            f"For {worded(share)} % of the time the vehicle flew slower than the mission says, down to "
+            f"{worded(100.0 * slowest)} % of its speed: there the path asked for more than its limits allow."
+        )
+    machine = "The vehicle itself: the scale of its thrust and its drag as steering estimates them; dotted, its file."
+    around = (
+        "What else pushes it, and the delays that steering reckons with; dotted, the rate loop of the vehicle file."
+    )
+    pictures = [
+        _picture("machine", lambda: estimates.machine(evidence), machine),
+        _picture("surroundings", lambda: estimates.surroundings(evidence), around),
+    ]
+    return Section("What it learned about the vehicle", words, pictures)
 
 
 def _timing(evidence: Evidence) -> Section:
