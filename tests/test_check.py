@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from companion.cli.commands import main
+from companion.cli.flying import objection
 from companion.config.document import parse
 from companion.config.mission import load_mission, mission_from
 from companion.config.places import names
@@ -231,3 +232,19 @@ def test_fly_refuses_what_cannot_be_flown_before_anything_is_opened(
     assert "not flown: circle on x500: cannot be flown like this. " in out
     assert "--accept-infeasible" in out
     assert not (tmp_path / "flight").exists()
+
+
+def test_fly_leaves_what_no_flight_can_tell_from_the_limit() -> None:
+    """PX4's simulated quadrotor leans by 50.9 degrees round 5 m at 7 m/s, and 50 are its limit: flown, with a warning;
+    what is really too fast, or too low, is not."""
+    sih = load_vehicle("sih")
+    near = check(circle(speed=7.0, r=5.0), sih)
+    assert not near.feasible and near.within_accuracy
+    assert not check(circle(speed=7.5, r=5.0), sih).within_accuracy
+    assert not check(circle(speed=3.0, r=5.0, z=0.2), sih).within_accuracy
+
+
+def test_the_place_over_the_real_ground_is_looked_at_before_arming() -> None:
+    assert objection(circle(), X500, 0.0) is None
+    said = objection(circle(), X500, -12.5)
+    assert said is not None and "below the ground" in said

@@ -162,7 +162,7 @@ def fly(
     assert sortie is not None and open_port is not None
     sortie, found = looked_at(sortie)
     if not found.feasible:
-        if not accept_infeasible:
+        if not accept_infeasible and not found.within_accuracy:
             raise typer.Exit(refuse(f"{headline(found)} (--accept-infeasible flies it all the same)", json))
         say(f"warning: {headline(found)}")
     if dry_run and bench:
@@ -174,7 +174,7 @@ def fly(
         speed_scale_max=most_speed_scale(found.speed_scale_max),
     )
     directory = record or new_directory(sortie.mission.name)
-    flight = Flight(sortie, directory, duration, Ending(json, settle), set_parameters, conduct, draw)
+    flight = Flight(sortie, directory, duration, Ending(json, settle), set_parameters, conduct, draw, accept_infeasible)
     raise typer.Exit(fly_now(flight, open_port()))
 
 

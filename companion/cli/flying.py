@@ -12,10 +12,13 @@ from companion.cli.output import WhoStarts
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.port import Port
+from companion.feasibility.report import check
+from companion.feasibility.words import headline
 from companion.flight.conduct import Conduct, Manner
-from companion.mission import Origin
+from companion.mission import Mission, Origin
 from companion.record.folder import Recorder
 from companion.record.learned import recalled, remembered, state_file
+from companion.vehicle import Vehicle
 
 WAIT_FOR_VEHICLE = 10.0
 SPEED_SCALE_MAX = 1.5
@@ -38,11 +41,18 @@ class Flight:
     set_parameters: bool = False
     conduct: Conduct = field(default_factory=Conduct)
     draw: bool = False
+    accept_infeasible: bool = False
 
 
 def most_speed_scale(feasible: float) -> float:
     """How far the speed may be raised in flight, where ``feasible`` is the largest factor that keeps every limit."""
     return max(1.0, min(SPEED_SCALE_MAX, feasible))
+
+
+def objection(mission: Mission, vehicle: Vehicle, ground: float) -> str | None:
+    """Why a mission may not be flown over the ground (m, down in the local frame) that is really there; or None."""
+    found = check(mission, vehicle, ground)
+    return None if found.within_accuracy else headline(found)
 
 
 def manner(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial: bool) -> Manner:
@@ -70,6 +80,9 @@ def fly(flight: Flight, port: Port) -> int:
         conduct=flight.conduct,
         draw=flight.draw,
         learned=recalled(state_file(sortie.vehicle.name)),
+        objection=None
+        if flight.accept_infeasible
+        else lambda mission, ground: objection(mission, sortie.vehicle, ground),
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
     say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.manner]}")

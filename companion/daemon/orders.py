@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from companion.estimation.learned import Learned
@@ -15,7 +16,8 @@ class Orders:
     """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
     be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
     ``conduct``: how; what the vehicle says of itself is added to its limits. ``draw``: the curve is uploaded as mission
-    items, for the ground station's map. ``learned``: what the vehicle's last flight left."""
+    items, for the ground station's map. ``learned``: what the vehicle's last flight left. ``objection``: looks at the
+    mission in its real place over the ground (m, down in the local frame) and says why it may not be flown there."""
 
     mission: Mission
     vehicle: Vehicle
@@ -27,3 +29,4 @@ class Orders:
     conduct: Conduct = field(default_factory=Conduct)
     draw: bool = False
     learned: Learned | None = None
+    objection: Callable[[Mission, float], str | None] | None = None

@@ -89,6 +89,10 @@ class Preparation:
         self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
         stands_at = state.p_n if where.on_ground else None
         conduct = conducted(orders.conduct, vehicle, tuning, mission.table, where.home_n, stands_at)
+        if orders.objection is not None and conduct.limits.ground is not None:
+            objection = orders.objection(mission, conduct.limits.ground)
+            if objection is not None:
+                raise CompanionError(f"in its place here, {objection}")
         origin_n = mission.placement.origin_n
         return prepared(mission, vehicle, self.choice.level, origin_n, orders.duration, tuning, conduct, orders.learned)
 

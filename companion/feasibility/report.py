@@ -25,6 +25,10 @@ NAMES = ("thrust_n", "tilt_deg", "motor", "body_rate_dps", "yaw_rate_dps", "path
 REPORTED_ONLY = frozenset({"vdot_over_g"})
 """Remark 4.3: sufficient, not necessary; it never decides."""
 
+PREDICTED = frozenset({"thrust_n", "tilt_deg", "motor", "body_rate_dps", "yaw_rate_dps"})
+ACCURACY = 0.03
+"""How far the flown extremes of thrust, tilt and motors may lie from the predicted ones (bench/agreement.py)."""
+
 
 @dataclass(frozen=True)
 class Report:
@@ -60,6 +64,12 @@ class Report:
     def feasible(self) -> bool:
         """Whether every limit that decides is kept."""
         return all(limit.ok for limit in self.deciding)
+
+    @property
+    def within_accuracy(self) -> bool:
+        """Whether no limit is broken by more than a flight may differ from its prediction. What there must be at least
+        (height above ground, distance to a fence, room in a bend) is kept either way."""
+        return all(limit.ok or (limit.name in PREDICTED and limit.used <= 1.0 + ACCURACY) for limit in self.deciding)
 
     @property
     def tightest(self) -> Limit:

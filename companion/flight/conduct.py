@@ -81,5 +81,5 @@ def untold(values: dict[str, Any]) -> Conduct:
     })  # fmt: skip
 
 
-TILT_MARGIN = math.radians(5.0)
+TILT_MARGIN = math.radians(2.0)
 """rad that our own tilt guard stays under the vehicle's failure detector."""

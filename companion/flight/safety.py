@@ -201,7 +201,7 @@ ROWS: tuple[Row, ...] = (
         "the vehicle's clock jumps", _clock, 0.0, Action.ABORT, "see whether the autopilot restarted, then start again"
     ),
     Row(
-        "the lean comes within 5 degrees of the vehicle's failure detector",
+        "the lean comes within 2 degrees of the vehicle's failure detector",
         _tilt,
         0.15,
         Action.ABORT,
