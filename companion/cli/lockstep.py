@@ -30,6 +30,8 @@ def fly(conductor: Conductor, bridge: Bridge, watch: Callable[[Conductor, Truth]
             for datagram in conductor.datagrams():
                 bridge.receive(datagram, COMPANION_ENDPOINT)
             conductor.sent()
+            for datagram in conductor.datagrams():
+                bridge.receive(datagram, COMPANION_ENDPOINT)
             arrived = [datagram for endpoint, datagram in bridge.datagrams() if endpoint == COMPANION_ENDPOINT]
             if conductor.done:
                 break

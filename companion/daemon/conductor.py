@@ -24,10 +24,10 @@ from companion.mavlink import setpoints, telemetry
 from companion.mavlink.codec import Decoder
 from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.mavlink.parameters import Parameters
-from companion.pilot import Memory, Observation, Outcome
+from companion.pilot import First, Memory, Observation, Outcome
 from companion.plan import Plan
 from companion.record.folder import Recorder
-from companion.vehicle import Mode, VehicleState
+from companion.vehicle import Mode, Setpoint, VehicleState
 
 COMMANDS = {
     Request.ARM: wire.ARM,
@@ -54,11 +54,21 @@ class Tick(NamedTuple):
     before: Memory
 
 
+class Half(NamedTuple):
+    """A tick whose setpoint is queued already, and whose rest comes after the send."""
+
+    seen: Observation
+    early: First | None
+    now: float
+    before: Memory
+
+
 class Conductor:
     """One companion flying one vehicle.
 
     Doors: ``receive`` and ``on_timer`` take the time (s, monotonic); ``datagrams`` gives what is to be sent; ``sent``
-    is told when that is done; ``next_timer`` says when to call again. ``notes``: lines for people, taken by the caller.
+    is told when that is done, and may leave more of it; ``next_timer`` says when to call again. ``notes``: lines for
+    people, taken by the caller.
     """
 
     def __init__(self, orders: Orders, recorder: Recorder | None, now: float, *, stream: bool = False) -> None:
@@ -93,6 +103,7 @@ class Conductor:
         self._stop = False
         self._preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes)
         self._wake_at = now
+        self._half: Half | None = None
         self._pending: Tick | None = None
         self._recorder = recorder
         self._now = now
@@ -125,6 +136,7 @@ class Conductor:
 
     def receive(self, batch: Sequence[bytes], now: float) -> None:
         """Take in what arrived at ``now``. Several datagrams are taken in before the newest state is acted on."""
+        self._conclude()
         self._now = now
         state: VehicleState | None = None
         answer: Answer | None = None
@@ -166,6 +178,7 @@ class Conductor:
 
     def on_timer(self, now: float) -> None:
         """Do what is due."""
+        self._conclude()
         self._now = now
         self.link.on_timer(now)
         self.parameters.on_timer(now)
@@ -189,6 +202,7 @@ class Conductor:
             for frame in self._frames:
                 self._recorder.frame(self._now, frame)
         self._frames.clear()
+        self._conclude()
         if self._pending is not None:
             tick, self._pending = self._pending, None
             if self._recorder is not None:
@@ -213,11 +227,21 @@ class Conductor:
             self.ground.speed_scale,
         )
         before = self.memory
-        self.memory, outcome = pilot.step(self.plan, before, seen, now)
-        if outcome.setpoint is not None and self.link.identity is not None:
-            stamp = self.memory.state.t_boot if self.memory.state is not None else 0.0
-            target = (self.link.identity.system, wire.AUTOPILOT_COMPONENT)
-            self.link.send(*setpoints.encoded(outcome.setpoint, stamp, *target))
+        self.memory, early = pilot.first(self.plan, before, seen, now)
+        self._half = Half(seen, early, now, before)
+        if early is None:
+            self._conclude()
+        else:
+            self._queue(self.memory, early.steered.setpoint)
+
+    def _conclude(self) -> None:
+        """The rest of a tick, where there is one left."""
+        if self._half is None or self.plan is None or self.memory is None:
+            return
+        (seen, early, now, before), self._half = self._half, None
+        self.memory, outcome = pilot.rest(self.plan, self.memory, seen, now, early)
+        if early is None and outcome.setpoint is not None:
+            self._queue(self.memory, outcome.setpoint)
         self.link.want(None if outcome.request is None else COMMANDS[outcome.request], now)
         self._wake_at = pilot.wake_at(self.memory, now)
         self.notes += outcome.notes
@@ -225,6 +249,13 @@ class Conductor:
         self.ground.told(self.plan, self.memory, outcome, self.memory.first_fault is not None, now)
         if self._over:
             self._preparation.restore(now)
+
+    def _queue(self, memory: Memory, setpoint: Setpoint) -> None:
+        """Have a setpoint sent, with the time of its state."""
+        if self.link.identity is not None:
+            stamp = memory.state.t_boot if memory.state is not None else 0.0
+            target = (self.link.identity.system, wire.AUTOPILOT_COMPONENT)
+            self.link.send(*setpoints.encoded(setpoint, stamp, *target))
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
         """Make the plan once the vehicle is known and has said where it is."""

@@ -133,6 +133,8 @@ def _send(conductor: Conductor, port: Port, arrived: float = math.nan) -> None:
     for datagram in conductor.datagrams():
         port.send(datagram)
     conductor.sent(clock() - arrived)
+    for datagram in conductor.datagrams():
+        port.send(datagram)
 
 
 def _freeze() -> None:

@@ -37,7 +37,9 @@ class Rehearsal:
             return False
         for frame in self._decoder.datagram(self._frame):
             self._telemetry.receive(frame)
-        _, outcome = pilot.step(plan, tick.before, tick.seen, tick.now)
-        if outcome.setpoint is not None:
-            self._encoder.encode(*setpoints.encoded(outcome.setpoint, tick.seen.state.t_boot, 1, 1))
+        memory, early = pilot.first(plan, tick.before, tick.seen, tick.now)
+        if early is None:
+            pilot.rest(plan, memory, tick.seen, tick.now, early)
+        setpoint = tick.outcome.setpoint if early is None else early.steered.setpoint
+        self._encoder.encode(*setpoints.encoded(setpoint, tick.seen.state.t_boot, 1, 1))
         return True

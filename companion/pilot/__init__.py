@@ -15,6 +15,7 @@ from companion.flight.epilogue import sentence
 from companion.frames import tilt, wrap
 from companion.pilot.memory import (
     WAKE_AFTER,
+    First,
     Memory,
     Observation,
     Outcome,
@@ -23,13 +24,13 @@ from companion.pilot.memory import (
     completed,
     wake_at,
 )
-from companion.pilot.tick import DT_MAX, LEVEL_FOR, step
+from companion.pilot.tick import DT_MAX, LEVEL_FOR, first, rest, step
 from companion.steering.steering import Steered
 from companion.vehicle import Mode, VehicleState
 
 __all__ = [
-    "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "Memory", "Observation", "Outcome", "Progress", "begin", "completed",
-    "epilogue", "step", "tilt_of", "wake_at", "yaw_error",
+    "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "First", "Memory", "Observation", "Outcome", "Progress", "begin", "completed",
+    "epilogue", "first", "rest", "step", "tilt_of", "wake_at", "yaw_error",
 ]  # fmt: skip
 
 

@@ -103,6 +103,15 @@ class Outcome(NamedTuple):
     ramp: Ramp
 
 
+class First(NamedTuple):
+    """What is known of a tick before its rest: the memory with only what arrived taken in, the setpoint with how it
+    came about, and the factor on the speed."""
+
+    noticed: Memory
+    steered: Steered
+    ramp: Ramp
+
+
 def begin(now: float) -> Memory:
     """The memory at the start of a flight."""
     return Memory(entered=now)

@@ -1,4 +1,8 @@
-"""One tick: what arrived is taken in, what it changes is decided, and the law is asked."""
+"""One tick: what arrived is taken in, what it changes is decided, and the law is asked.
+
+A tick is ``first`` and then ``rest``. While the path is followed and nothing is the matter, ``first`` has the setpoint
+already, so that it can be on its way before the safety rows and the changes of phase are looked at.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,7 @@ from companion.frames import euler_from_rotation
 from companion.law.bare import LawError
 from companion.law.flight import Ramp
 from companion.pilot.aims import STEADY, chosen, end, here, join, neutral, on_path, scaled, turning
-from companion.pilot.memory import OWN_MODE, Memory, Observation, Outcome, Progress
+from companion.pilot.memory import OWN_MODE, First, Memory, Observation, Outcome, Progress
 from companion.pilot.sight import sight, situation
 from companion.plan import Plan
 from companion.steering.steering import At, Steered
@@ -38,13 +42,57 @@ FAULTS = frozenset({
 
 
 def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, Outcome]:
-    """One tick. ``now``: s, our monotonic clock."""
+    """One tick, whole. ``now``: s, our monotonic clock."""
+    memory, early = first(plan, memory, seen, now)
+    return rest(plan, memory, seen, now, early)
+
+
+def first(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, First | None]:
+    """What arrived is taken in; and the setpoint for it, where it may go out before the rest of the tick."""
     memory = _noticed(plan, memory, seen, now)
-    since, verdict = safety.watched(memory.since, sight(plan, memory, seen), plan.conduct.limits, now)
+    if not _calm(memory, seen):
+        return memory, None
+    try:
+        later, steered, ramp = _steered(plan, memory, seen)
+    except LawError:
+        return memory, None  # the rest asks again, and acts on it
+    return later, First(memory, steered, ramp)
+
+
+def _calm(memory: Memory, seen: Observation) -> bool:
+    """Whether the path is followed on a fresh state and nothing that was seen may stop the setpoint.
+
+    Only a change of phase that is due anyway (the end of the path, of the laps, of the time) then comes one setpoint
+    later: every safety row that acts at once is asked here, and one that has to last is breached a tick before.
+    """
+    return (
+        memory.phase is Phase.FOLLOW
+        and seen.state is not None
+        and seen.state is memory.state
+        and seen.status.mode is Mode.OFFBOARD
+        and seen.status.armed is not False
+        and not seen.stop
+        and memory.answer is None
+        and memory.since is safety.NOTHING_SINCE
+        and memory.jump == 0.0
+        and abs(memory.clock_jump) <= safety.CLOCK_JUMP
+        and not seen.companions
+    )
+
+
+def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
+    """The rest of the tick, after ``first`` gave ``memory`` and ``early``."""
+    noticed = memory if early is None else early.noticed
+    since, verdict = safety.watched(memory.since, sight(plan, noticed, seen), plan.conduct.limits, now)
     if since is not memory.since:
         memory = memory._replace(since=since)
     notes: list[str] = []
     memory = _decided(plan, memory, seen, verdict, now, notes)
+    if early is not None:
+        if not memory.flew:
+            memory = memory._replace(flew=True)
+        request = _request(plan, memory, seen, now)
+        return memory, Outcome(early.steered.setpoint, request, tuple(notes), early.steered, early.ramp)
     steered, ramp, setpoint = None, STEADY, None
     fresh = seen.state is not None and seen.state is memory.state
     if memory.phase is Phase.REHEARSE and plan.conduct.manner is Manner.BENCH:
@@ -71,15 +119,13 @@ def _noticed(plan: Plan, memory: Memory, seen: Observation, now: float) -> Memor
     if seen.answer is not None and seen.answer.request is PHASES[memory.phase].request:
         answer = seen.answer
     mode_seen = memory.mode_seen or seen.status.mode is OWN_MODE.get(memory.phase, Mode.UNKNOWN)
-    memory = memory._replace(answer=answer, mode_seen=mode_seen, jump=0.0, clock_jump=0.0)
     new, old = seen.state, memory.state
-    if new is None:
-        return memory
-    if old is None or memory.state_at is None:
+    if new is None or old is None or memory.state_at is None or -CLOCK_BACK < new.t_boot - old.t_boot < 0.0:
+        memory = memory._replace(answer=answer, mode_seen=mode_seen, jump=0.0, clock_jump=0.0)
+        if new is None or old is not None:
+            return memory
         return memory._replace(state=new, state_at=now, progress=_progressed(plan, memory, new, 0.0))
     passed = new.t_boot - old.t_boot
-    if -CLOCK_BACK < passed < 0.0:
-        return memory
     jump = 0.0
     if new.resets != old.resets:
         jump = math.dist(new.p_n, [p + v * passed for p, v in zip(old.p_n, old.v_n, strict=True)])
@@ -89,8 +135,9 @@ def _noticed(plan: Plan, memory: Memory, seen: Observation, now: float) -> Memor
     progress = _progressed(plan, memory, new, jump)
     reached = memory.reached or (memory.phase is Phase.FOLLOW and progress.path_error < REACHED_WITHIN)
     return memory._replace(
-        state=new, state_at=now, progress=progress, jump=jump, clock_jump=clock_jump, reached=reached
-    )
+        answer=answer, mode_seen=mode_seen, state=new, state_at=now, progress=progress, jump=jump,
+        clock_jump=clock_jump, reached=reached,
+    )  # fmt: skip
 
 
 def _progressed(plan: Plan, memory: Memory, state: VehicleState, jump: float) -> Progress:
