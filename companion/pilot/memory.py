@@ -104,12 +104,12 @@ class Outcome(NamedTuple):
 
 
 class First(NamedTuple):
-    """What is known of a tick before its rest: the memory with only what arrived taken in, the setpoint with how it
-    came about, and the factor on the speed."""
+    """What the law said before the rest of a tick: the setpoint with how it came about, the factor on the speed, and
+    ``scale`` as in Memory."""
 
-    noticed: Memory
     steered: Steered
     ramp: Ramp
+    scale: tuple[float, float]
 
 
 def begin(now: float) -> Memory:

@@ -15,12 +15,11 @@ from companion.flight.guards import STALE_AFTER, STREAM_FIRST, decide
 from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.bare import LawError
-from companion.law.flight import Ramp
 from companion.pilot.aims import STEADY, chosen, end, here, join, neutral, on_path, scaled, turning
 from companion.pilot.memory import OWN_MODE, First, Memory, Observation, Outcome, Progress
 from companion.pilot.sight import sight, situation
 from companion.plan import Plan
-from companion.steering.steering import At, Steered
+from companion.steering.steering import At
 from companion.vehicle import Landed, Mode, VehicleState
 
 DT_MAX = 0.1
@@ -53,10 +52,9 @@ def first(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Me
     if not _calm(memory, seen):
         return memory, None
     try:
-        later, steered, ramp = _steered(plan, memory, seen)
+        return memory, _steered(plan, memory, seen)
     except LawError:
         return memory, None  # the rest asks again, and acts on it
-    return later, First(memory, steered, ramp)
 
 
 def _calm(memory: Memory, seen: Observation) -> bool:
@@ -82,10 +80,11 @@ def _calm(memory: Memory, seen: Observation) -> bool:
 
 def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
     """The rest of the tick, after ``first`` gave ``memory`` and ``early``."""
-    noticed = memory if early is None else early.noticed
-    since, verdict = safety.watched(memory.since, sight(plan, noticed, seen), plan.conduct.limits, now)
+    since, verdict = safety.watched(memory.since, sight(plan, memory, seen), plan.conduct.limits, now)
     if since is not memory.since:
         memory = memory._replace(since=since)
+    if early is not None:
+        memory = _after(memory, early)
     notes: list[str] = []
     memory = _decided(plan, memory, seen, verdict, now, notes)
     if early is not None:
@@ -99,7 +98,8 @@ def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First
         memory = _shown(plan, memory, notes) if fresh else memory
     elif fresh and PHASES[memory.phase].steers and memory.phase is not Phase.ABORT:
         try:
-            memory, steered, ramp = _steered(plan, memory, seen)
+            asked = _steered(plan, memory, seen)
+            memory, steered, ramp = _after(memory, asked), asked.steered, asked.ramp
             setpoint = None if memory.phase is Phase.REHEARSE else steered.setpoint
         except LawError as error:
             memory = _decided(plan, memory, seen, verdict, now, notes, str(error))
@@ -213,7 +213,14 @@ def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | 
     return memory.aim
 
 
-def _steered(plan: Plan, memory: Memory, seen: Observation) -> tuple[Memory, Steered, Ramp]:
+def _after(memory: Memory, asked: First) -> Memory:
+    """The memory once the law was asked."""
+    state, steered = memory.state, asked.steered
+    assert state is not None
+    return memory._replace(steering=steered.memory, steered=steered, steered_at=state.t_boot, scale=asked.scale)
+
+
+def _steered(plan: Plan, memory: Memory, seen: Observation) -> First:
     """The law's setpoint for the newest state. The extension stands still until the vehicle flies on it."""
     state = memory.state
     assert state is not None
@@ -226,8 +233,7 @@ def _steered(plan: Plan, memory: Memory, seen: Observation) -> tuple[Memory, Ste
     if scale != memory.scale:
         memory = memory._replace(scale=scale)
     aim, ramp = chosen(plan, memory)
-    steered = plan.steering.steer(steering, state, dt, aim, seen.link_delay)
-    return memory._replace(steering=steered.memory, steered=steered, steered_at=state.t_boot), steered, ramp
+    return First(plan.steering.steer(steering, state, dt, aim, seen.link_delay), ramp, scale)
 
 
 def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
