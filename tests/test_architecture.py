@@ -34,7 +34,7 @@ MAY_IMPORT: dict[str, str] = {
     "config": "frames fence geodesy plans calculus vehicle world paths profiles law mission",
     "record": "frames vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
     "daemon": "frames geodesy vehicle paths estimation flight mission places plan pilot mavlink record",
-    "services": "frames fence geodesy vehicle flight places",
+    "services": "frames fence geodesy vehicle flight places plans",
     "cli": "*",
 }
 SIM_BRIDGE = {"frames", "geodesy", "vehicle", "world", "mavlink"}

@@ -7,12 +7,15 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from companion.config.plan_files import plan_from
 from companion.fence import Circle, Fence, Polygon
 from companion.geodesy import LocalFrame
 from companion.services.audit import RULES, Weight, audited
+from companion.services.plan_check import differences
 from companion.services.vehicle import fence_items
 from sim_bridge.autopilot.parameters import defaults
 
@@ -71,7 +74,7 @@ def test_a_vehicle_is_looked_at_and_the_curve_uploaded(port: int) -> None:
         stderr=subprocess.DEVNULL,
     )  # fmt: skip
     try:
-        done = companion("preflight", "circle_r5", "--connect", f"udpin://127.0.0.1:{port}", "--upload", "--json")
+        done = companion("preflight", "survey", "--connect", f"udpin://127.0.0.1:{port}", "--upload", "--json")
     finally:
         plant.terminate()
         plant.wait(20.0)
@@ -79,7 +82,8 @@ def test_a_vehicle_is_looked_at_and_the_curve_uploaded(port: int) -> None:
     assert told["schema"] == "companion.preflight/1"
     assert {row["parameter"]: row["now"] for row in told["parameters"]}["COM_OF_LOSS_T"] == 1.0
     assert told["state_rate_hz"] > 20.0
-    assert told["path"][-1] == "uploaded: the curve as 60 waypoints"
+    assert told["path"][-1] == "uploaded: the curve as 60 waypoints, and a fence of 1 area"
+    assert any(line.startswith("plan: MAVSDK reads the same ") for line in told["path"])
     assert (done.returncode, told["ok"]) == (0, True)
 
 
@@ -98,3 +102,10 @@ def test_no_vehicle_and_bad_addresses(port: int, tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "in use" in done.stderr
     assert not done.stdout
+
+
+def test_a_plan_that_mavsdk_reads_otherwise_is_told() -> None:
+    text = Path(__file__).parent.parent.joinpath("configs/missions/survey.plan").read_text()
+    plan = plan_from(text, "survey.plan")[0]
+    theirs = SimpleNamespace(mission_items=[], geofence_items=[])
+    assert differences(plan, text, theirs)[0] == f"plan: we read {len(plan.items)} items, MAVSDK 0"

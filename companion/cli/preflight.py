@@ -7,11 +7,13 @@ from typing import Any
 
 from companion.cli.finish import COMPLETED, FAILED, NO_VEHICLE, refuse, say
 from companion.cli.orders import Sortie
+from companion.config.plan_files import plan_from
 from companion.flight.preflight import RATE_WANTED
 from companion.mission import Origin
 from companion.places.standing import PlaceError, placed
 from companion.places.words import place_words
 from companion.services.audit import Finding, Weight, audited
+from companion.services.plan_check import differences
 from companion.services.vehicle import ServiceError, Vehicle, connected
 
 POINTS = 60
@@ -43,12 +45,16 @@ def _place(vehicle: Vehicle, sortie: Sortie, upload: bool) -> list[str]:
     where = vehicle.whereabouts()
     mission = placed(sortie.mission, Origin.TAKEOFF, where)
     words = str(place_words(sortie.mission, Origin.TAKEOFF, where)).splitlines()
+    attached = sortie.mission_source.attached
+    if attached is not None and attached[0].lower().endswith(".plan"):
+        words += differences(plan_from(attached[1], attached[0])[0], attached[1], vehicle.read_plan(attached[1]))
     if upload:
         assert where.frame is not None
         _, points = mission.table.samples(POINTS)
         curve = [(float(x), float(y), float(z)) for x, y, z in points]
         vehicle.upload(curve, mission.fence_n, where.frame)
-        fence = "" if mission.fence_n is None else f", and a fence of {len(mission.fence_n.areas)} areas"
+        areas = 0 if mission.fence_n is None else len(mission.fence_n.areas)
+        fence = f", and a fence of {areas} area{'' if areas == 1 else 's'}" if areas else ""
         words.append(f"uploaded: the curve as {POINTS} waypoints{fence}")
     return words
 

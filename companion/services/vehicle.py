@@ -95,6 +95,15 @@ class Vehicle:
             (home.latitude_deg, home.longitude_deg, home.absolute_altitude_m) if known else None,
         )
 
+    def read_plan(self, text: str) -> Any:
+        """A QGroundControl plan as MAVSDK reads it. ServiceError: it does not."""
+        from mavsdk.plugins.mission_raw import MissionRaw, MissionRawError
+
+        try:
+            return MissionRaw(self.system).import_qgroundcontrol_mission_from_string(text)
+        except MissionRawError as error:
+            raise ServiceError(f"MAVSDK cannot read the plan: {error}") from None
+
     def upload(self, points: Sequence[Vec3], fence: Fence | None, frame: LocalFrame) -> None:
         """Put a curve into its mission and a fence into its geofence. ServiceError: it took one of them not."""
         from mavsdk.plugins.mission_raw import MissionRaw, MissionRawError
