@@ -51,10 +51,12 @@ def summary(
 
 
 def _told(table: Table) -> dict[str, Array]:
-    """The followed part of a flight, one entry a steered tick. ``t``: s since following began."""
+    """The followed part of a flight, one entry a steered tick. ``t``: s since following began. ``speed``: on the way
+    back counted as on the way out."""
     rows = table[(table["phase"] == FOLLOW) & np.isfinite(table["alpha"])]
     columns = {name: np.asarray(rows[name], dtype=float) for name in rows.dtype.names or ()}
     columns["t"] = columns["t_boot"] - (columns["t_boot"][0] if len(rows) else 0.0)
+    columns["speed"] = columns["speed"] * np.where(columns["ramp"] < 0.0, -1.0, 1.0)
     columns["speed_error"] = columns["speed"] - columns["alpha"]
     columns["roll"] = np.arctan2(
         2.0 * (columns["q_w"] * columns["q_x"] + columns["q_y"] * columns["q_z"]),
@@ -75,21 +77,24 @@ def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
     if len(rows) > 1:
         stride = max(1, round(1.0 / TRUTH_RATE / float(np.median(np.diff(rows["t_boot"])))))
         rows = rows[::stride]
+    ramps = np.interp(rows["t_boot"], followed["t_boot"], followed["ramp"])
+    scales = np.interp(rows["t_boot"], followed["t_boot"], followed["speed_scale"])
     collected = []
     s: float | None = None
     travelled = 0.0
-    for row in rows:
+    for row, ramp, scale in zip(rows, ramps, scales, strict=True):
+        way = -1.0 if ramp < 0.0 else 1.0
         p_n, v_n = _vec3(row["p_n"]), _vec3(row["v_n"])
         if s is None:
             s, distance = plan.table.locate(p_n)
         else:
             before = s
             s, distance = plan.table.nearest(p_n, s, 1.0 + 0.2 * math.hypot(*v_n))
-            travelled += plan.direction * plan.table.difference(s, before)
+            travelled += way * plan.direction * plan.table.difference(s, before)
         _, mu, _ = plan.table.at(s)
         w, x, y, z = map(float, row["q_nb"])
         r_nb = rotation_matrix((w, x, y, z))
-        speed = mu[0] * v_n[0] + mu[1] * v_n[1] + mu[2] * v_n[2]
+        speed = way * (mu[0] * v_n[0] + mu[1] * v_n[1] + mu[2] * v_n[2])
         alpha = plan.mission.alpha(s)
         yaw = math.atan2(r_nb[3], r_nb[0])
         collected.append(
@@ -101,6 +106,8 @@ def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
                 speed - alpha,
                 wrap(yaw - plan.mission.beta(s)),
                 travelled,
+                float(ramp),
+                float(scale),
                 math.atan2(r_nb[7], r_nb[8]),
                 math.asin(max(-1.0, min(1.0, -r_nb[6]))),
                 tilt(r_nb),
@@ -113,8 +120,8 @@ def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
 
 
 _TRUE_COLUMNS = (
-    "t", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "roll", "pitch", "tilt", "thrust",
-    "sent_0", "sent_1", "sent_2", "sent_3",
+    "t", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "ramp", "speed_scale", "roll",
+    "pitch", "tilt", "thrust", "sent_0", "sent_1", "sent_2", "sent_3",
 )  # fmt: skip
 
 
@@ -157,7 +164,11 @@ def _size(values: Array) -> dict[str, float]:
 
 
 def _settled(flown: dict[str, Array], plan: Plan, settle: float) -> Figures:
-    late = {name: values[flown["t"] >= settle] for name, values in flown.items()}
+    """After ``settle`` s; where a path has ends, without the starts and the stops there."""
+    steady = flown["t"] >= settle
+    if not plan.table.closed:
+        steady &= np.abs(flown["ramp"]) >= 0.999 * np.abs(flown["speed_scale"])
+    late = {name: values[steady] for name, values in flown.items()}
     figures = _figures(late, plan)
     if len(late["t"]) == 0:
         return {

@@ -1,0 +1,31 @@
+"""What is shipped flies as well as it should as it is shipped: `companion sim NAME`, without an option."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from companion.cli.commands import app
+
+FLOWN = {
+    "ellipse": 24.0, "figure8": 26.0, "lissajous": 26.0, "polyline": 30.0, "spline": 26.0, "line": 40.0,
+    "paper_case1": 14.0,
+}  # fmt: skip
+"""s of following: the missions that turn, lean and change their speed most, an open one, and one at its own output. All
+of them, for as long as they last: `companion sim NAME --json`."""
+
+
+@pytest.mark.parametrize("name", FLOWN)
+def test_a_shipped_mission_settles_as_it_is_shipped(name: str) -> None:
+    """Path error below 1 cm, speed error below 2 % of alpha, yaw error below 1 degree (the last two RMS)."""
+    told = CliRunner().invoke(app, ["sim", name, "--duration", str(FLOWN[name]), "--json"])
+    assert told.exit_code == 0, told.output
+    flight = json.loads(told.stdout)
+    assert flight["outcome"] == "completed"
+    for settled in (flight["settled"], flight["truth"]["settled"]):
+        mean = settled["distance_m"] / settled["duration_s"]
+        assert settled["path_error_m"]["max"] < 0.01
+        assert settled["speed_error_mps"]["rms"] < 0.02 * mean
+        assert settled["yaw_error_deg"]["rms"] < 1.0
