@@ -35,8 +35,10 @@ THRUST_MIN, THRUST_MAX = 0.05, 0.97
 """Normalised: the range that is sent. A little is left for the vehicle's own rate loop."""
 MOVING = 0.5
 """m/s: a vehicle told to fly faster is expected to move."""
-YAW_LEAD = 0.36
-"""s, how much earlier than it is wanted a yaw rate is asked for; the yaw loop's lag for what turns at 1 to 3 rad/s."""
+YAW_LEAD, YAW_LEAD_OVER_LAG = 0.36, 6.0
+"""s, how much earlier than it is wanted a yaw rate is asked for: the lag of PX4's yaw loop for what turns at 1 to 3
+rad/s. A vehicle whose other rate loops are quicker than PX4's usual ones is not led by more than so many of their lags.
+"""
 YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.07, 0.3, 0.3
 """Of the square of the yaw gain (a quarter would put both poles of the heading at half the gain); rad/s; rad of error
 within which it is summed."""
@@ -145,7 +147,8 @@ class RateSteering:
         # every other step is often enough for a slope
         held_slope = None if dt == 0.0 else memory.sloped
         slope_r = self._yaw_slope(flying, command, aim) if held_slope is None else held_slope
-        r += (YAW_LEAD - lag) * slope_r - memory.inner.yaw_trim - yaw_sum
+        lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag)
+        r += (lead - lag) * slope_r - memory.inner.yaw_trim - yaw_sum
         # yaw is turned by torque that the thrust may need: near the top it waits
         room = max(YAW_ROOM_MIN, (THRUST_MAX - zeta / (vehicle.mass * most_lift) * THRUST_MAX) / YAW_SHARE)
         turning = there.w_b[2] - memory.inner.yaw_trim
