@@ -103,7 +103,7 @@ def outdoor(seeds: int) -> Table:
     note = (
         f"An x500 in the world `outdoor` (wind 5 m/s with gusts, the noise of a GPS estimate), 100 Hz, 20 ms of link "
         f"delay, drag unknown; {seeds} seeds: mean and **worst** of the true path error RMS in cm · worst speed error "
-        "RMS · worst yaw error RMS. The estimate itself wanders by 3 cm an axis and drifts: nobody can hold a path "
+        "RMS · worst yaw error RMS. The estimate itself wanders by 3 cm an axis: nobody can hold a path "
         "better than he knows where he is."
     )
     table = Table("Outdoors", note, [c.name for c in courses])
