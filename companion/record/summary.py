@@ -164,10 +164,12 @@ def _size(values: Array) -> dict[str, float]:
 
 
 def _settled(flown: dict[str, Array], plan: Plan, settle: float) -> Figures:
-    """After ``settle`` s; where a path has ends, without the starts and the stops there."""
+    """After ``settle`` s; where a path has ends, without the stops there and the starts from them. The first start is
+    what ``settle`` is for."""
     steady = flown["t"] >= settle
     if not plan.table.closed:
-        steady &= np.abs(flown["ramp"]) >= 0.999 * np.abs(flown["speed_scale"])
+        at_speed = np.abs(flown["ramp"]) >= 0.999 * np.abs(flown["speed_scale"])
+        steady &= at_speed | ~np.logical_or.accumulate(at_speed)
     late = {name: values[steady] for name, values in flown.items()}
     figures = _figures(late, plan)
     if len(late["t"]) == 0:
