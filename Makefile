@@ -1,5 +1,5 @@
 # make demo   fly the paper's circle and write a report       make test   run every test
-# make lint   ruff and mypy                                    make bench  the measurements of docs/measured.md
+# make lint   ruff and mypy                                    make bench  the measurements the README and docs/ name
 
 PYTHON ?= python3
 BIN := .venv/bin

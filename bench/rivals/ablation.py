@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from companion.estimation.kalman import DRAG, KAPPA
+from companion.estimation.kalman import DRAG
 from companion.estimation.observer import Prior
 from companion.estimation.response import Response
 from companion.plan import Plan
@@ -79,4 +79,3 @@ REMEDIES: dict[str, Callable[[RateSteering], RateSteering]] = {
     "no thrust scale": _no_scale,
     "none of them": _nothing,
 }
-assert KAPPA == 12 and DRAG == 13

@@ -17,10 +17,10 @@ from companion.frames import Vec3
 from companion.law.gains import Level
 from companion.mission import Mission
 from companion.paths.curve import Curve
+from companion.pilot.aims import smooth_start
+from companion.plan import RAMP_ACCELERATION
 
 SAMPLES = 2000
-START_ACCELERATION = 1.5
-"""m/s^2, how gently a timetable begins: as the law's own ramp."""
 
 
 class Moment(NamedTuple):
@@ -69,12 +69,10 @@ class Course:
     def at(self, t: float) -> Moment:
         """The timetable at time ``t`` (s): from rest at s = 0 up to the speed, then at the speed."""
         v = self.speed
-        rise = 1.875 * v / START_ACCELERATION  # a smooth step is steepest in its middle, by 1.875
+        rise = 1.875 * v / RAMP_ACCELERATION  # a smooth step is steepest in its middle, by 1.875
         x = min(max(t / rise, 0.0), 1.0)
         moved = v * (rise * (2.5 * x**4 - 3.0 * x**5 + x**6) + max(t - rise, 0.0))
-        s1 = v * x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
-        s2 = v * 30.0 * x * x * (1.0 - x) ** 2 / rise
-        s3 = v * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / rise**2
+        s1, s2, s3 = (v * part for part in smooth_start(max(t, 0.0), rise))
         p, g1, g2, g3 = self._over_arc(moved % self.curve.table.length).reshape(4, 3)
         return Moment(
             _vec(p), _vec(g1 * s1), _vec(g2 * s1**2 + g1 * s2), _vec(g3 * s1**3 + 3.0 * g2 * s1 * s2 + g1 * s3)

@@ -16,10 +16,10 @@ from rotorpy.controllers.quadrotor_control import SE3Control
 from rotorpy.vehicles.hummingbird_params import quad_params
 from rotorpy.vehicles.multirotor import Multirotor
 
-from bench.rivals.course import START_ACCELERATION, Course, Moment
+from bench.rivals.course import Course, Moment
 from bench.rivals.figures import Sample
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix, tilt
-from companion.law.flight import Ramp
+from companion.pilot.aims import smooth_start
 from companion.plan import Plan
 from companion.steering.steering import Along
 from companion.vehicle import Limits, RateSetpoint, Rotor, Spin, Vehicle, VehicleState
@@ -176,20 +176,10 @@ def fly_steered(course: Course, place: Place, plan: Plan, seconds: float, delay:
     while place.t < seconds:
         state = place.state
         s = table.nearest(state.p_n, s, 1.0 + 0.2 * math.hypot(*state.v_n))[0]
-        steered = steering.steer(memory, state, CONTROL_PERIOD if place.t else 0.0, Along(s, ramp(course, place.t)))
+        aim = Along(s, smooth_start(place.t, plan.ramp_time))
+        steered = steering.steer(memory, state, CONTROL_PERIOD if place.t else 0.0, aim)
         memory = steered.memory
         assert isinstance(steered.setpoint, RateSetpoint)
         link.send(place.t, control_of(steered.setpoint))
         place.step(link.at(place.t), CONTROL_PERIOD)
     return place.track
-
-
-def ramp(course: Course, t: float) -> Ramp:
-    """The pilot's smooth start."""
-    rise = 1.875 * course.speed / START_ACCELERATION
-    x = min(t / rise, 1.0)
-    return Ramp(
-        x**3 * (10.0 - 15.0 * x + 6.0 * x * x),
-        30.0 * x * x * (1.0 - x) ** 2 / rise,
-        60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / rise**2,
-    )

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import partial
 from typing import NamedTuple
 
 from bench.rivals import plant_place, px4_position, rotorpy_place
 from bench.rivals.ablation import without
 from bench.rivals.course import Course
-from bench.rivals.figures import LOST, Figures, figures
-from bench.rivals.tracker import Tracker
+from bench.rivals.figures import Figures, figures
+from bench.rivals.tracker import tracking
 from companion.config.vehicle import load_vehicle
 from companion.config.world import load_world
 from companion.plan import prepared
-from companion.steering.rates import RateSteering
 from companion.vehicle import OutputLevel, Vehicle
 from companion.world import Link, Way, World
 from companion.world.events import Event, Hold, Push, When
@@ -63,7 +63,7 @@ def flown(sortie: Sortie) -> Figures:
         level = OutputLevel.ATTITUDE if sortie.who == ATTITUDE else OutputLevel.RATES
         steering = None
         if sortie.who == TRACKER:
-            steering = _tracker(course)
+            steering = partial(tracking, course=course)
         elif sortie.who.startswith("without: "):
             steering = without(sortie.who.removeprefix("without: "))
         track = plant_place.fly(course, vehicle, world, seconds, sortie.seed, level, steering, believed)
@@ -72,14 +72,6 @@ def flown(sortie: Sortie) -> Figures:
     if track[-1].t - track[0].t < seconds - 1.0:
         return LOST_FIGURES  # its guards ended the flight
     return figures(course, track, settle)
-
-
-def _tracker(course: Course):  # type: ignore[no-untyped-def]
-    def made(plan):  # type: ignore[no-untyped-def]
-        assert isinstance(plan.steering, RateSteering)
-        return Tracker(plan.steering, course)
-
-    return made
 
 
 def _events(sortie: Sortie) -> tuple[Event, ...]:
@@ -101,8 +93,7 @@ def _in_rotorpy(sortie: Sortie) -> Figures:
     vehicle = rotorpy_place.hummingbird(link_delay=LINK_DELAY)
     plan = prepared(course.mission(), vehicle, OutputLevel.RATES, (0.0, 0.0, 0.0))
     if sortie.who == TRACKER:
-        assert isinstance(plan.steering, RateSteering)
-        plan = dataclasses.replace(plan, steering=Tracker(plan.steering, course))
+        plan = dataclasses.replace(plan, steering=tracking(plan, course))
     try:
         return figures(
             course, rotorpy_place.fly_steered(course, place, plan, sortie.seconds, LINK_DELAY), sortie.settle
@@ -160,4 +151,3 @@ PLACES = {
     "motor lag 60 ms, told 25": lambda: _outdoor(motor_lag=0.06),
     "delay 50 ms, told 20": _slow_link,
 }
-assert LOST > 0.0

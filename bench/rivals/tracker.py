@@ -16,6 +16,7 @@ from typing import NamedTuple
 from bench.rivals.course import Course, Moment
 from companion.frames import Matrix3, Vec3, wrap
 from companion.law.flight import Command, Flying, Ramp
+from companion.plan import Plan
 from companion.steering.rates import SLOPE_OVER, RateMemory, RateSteering
 from companion.steering.steering import Aim, Along, Steered
 from companion.vehicle import Setpoint, VehicleState
@@ -64,6 +65,12 @@ class Tracker:
     def level(self, state: VehicleState | None, memory: TrackerMemory | None = None) -> Setpoint:
         """See Steering."""
         return self.rates.level(state, None if memory is None else memory.rates)
+
+
+def tracking(plan: Plan, course: Course) -> Tracker:
+    """The tracker in the place of a plan's own steering."""
+    assert isinstance(plan.steering, RateSteering)
+    return Tracker(plan.steering, course)
 
 
 @dataclass(frozen=True)

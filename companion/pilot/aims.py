@@ -127,8 +127,12 @@ def _start(plan: Plan, memory: Memory) -> Ramp:
         return STEADY
     if memory.leg_from is None or memory.state is None:
         return STANDING
-    T = plan.ramp_time
-    t = (memory.state.t_boot - memory.leg_from) / T
+    return smooth_start(memory.state.t_boot - memory.leg_from, plan.ramp_time)
+
+
+def smooth_start(since: float, T: float) -> Ramp:
+    """The factor on alpha ``since`` s after a start that takes ``T`` s: from 0 to 1 without a corner in its rate."""
+    t = since / T
     if t >= 1.0:
         return STEADY
     return Ramp(
