@@ -18,7 +18,7 @@ def with_a_pilot(**options: object) -> Client:
     client.piloted(4.6)
     assert client.mode(Mode.POSITION) == ACCEPTED
     assert client.command(ARM, 1) == ACCEPTED
-    client.piloted(3.0, throttle=1.0)
+    client.piloted(6.0, throttle=1.0)
     client.piloted(1.5)
     return client
 
@@ -40,6 +40,31 @@ def test_a_pilot_takes_off_flies_and_lands_in_position_mode() -> None:
     client.piloted(0.5)
     client.piloted(12.0, throttle=-1.0)
     assert client.texts()[-2:] == ["Landing detected\t", "Disarmed by landing\t"]
+
+
+def test_sticks_take_off_by_px4s_ramp_and_climb_slowly_near_the_ground() -> None:
+    client = Client("sih", landed=True)
+    client.ground_station()
+    client.piloted(4.6)
+    client.mode(Mode.POSITION)
+    assert client.command(ARM, 1) == ACCEPTED
+    client.piloted(1.5, throttle=0.25)  # not enough for PX4 to take off
+    assert client.bridge.truth.on_ground
+    client.piloted(1.0, throttle=1.0)  # the throttle opens by and by
+    assert client.bridge.truth.on_ground
+    while client.height < 5.0:
+        client.piloted(0.04, throttle=1.0)
+    assert client.bridge.truth.v_n[2] == pytest.approx(-1.5, abs=0.15)  # MPC_TKO_SPEED, up to MPC_LAND_ALT2
+    while client.height < 18.0:
+        client.piloted(0.04, throttle=1.0)
+    assert client.bridge.truth.v_n[2] == pytest.approx(-3.0, abs=0.2)  # MPC_Z_VEL_MAX_UP, from MPC_LAND_ALT1
+    client.piloted(3.0)
+    while client.height > 10.5:
+        client.piloted(0.04, throttle=-1.0)
+    assert client.bridge.truth.v_n[2] == pytest.approx(1.5, abs=0.15)  # MPC_Z_VEL_MAX_DN
+    while client.height > 3.0:
+        client.piloted(0.04, throttle=-1.0)
+    assert client.bridge.truth.v_n[2] == pytest.approx(0.7, abs=0.15)  # MPC_LAND_SPEED
 
 
 def test_a_throttle_that_is_open_prevents_arming_by_stick() -> None:

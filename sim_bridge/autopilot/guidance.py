@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.modes import Mode
+from companion.vehicle import GRAVITY
 from sim_bridge.autopilot.heading import Nose
 from sim_bridge.autopilot.missions.flight import Leg, MissionFlight
 from sim_bridge.autopilot.orbit import Orbit
@@ -25,8 +26,8 @@ PLACE_REACHED = 1.0
 CRAWL_BELOW = 0.75
 """m above ground below which a landing crawls."""
 SLOWS_BETWEEN = (5.0, 10.0)  # m, MPC_LAND_ALT2, MPC_LAND_ALT1
-RAMP_OF_HOVER = 0.9
-"""The part of MPC_TKO_RAMP_T in which the throttle reaches what hovers."""
+RAMP_LATE = 1.45
+"""How much later than its limit of climb allows a take-off hovers: the loop's sum has to come back first (measured)."""
 CLOSED_OF_HOVER = 0.25
 """Throttle over hover throttle once the ground is felt in a landing, until it counts as landed."""
 DOWN_AT_ONCE = frozenset({Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND})
@@ -39,6 +40,16 @@ class Throttle:
     """Level, at this part of the hover throttle."""
 
     of_hover: float
+
+
+def takeoff_throttle(seconds: float, climb: float, parameters: Parameters) -> Throttle:
+    """The throttle ``seconds`` after it began to open for a take-off at ``climb`` m/s.
+
+    PX4 lets its limit of climb grow in MPC_TKO_RAMP_T from where the velocity loop asks for no thrust at all.
+    """
+    least = GRAVITY / max(0.01, parameters["MPC_Z_VEL_P_ACC"])
+    ramp = RAMP_LATE * parameters["MPC_TKO_RAMP_T"] * least / (least + max(0.0, climb))
+    return Throttle(max(0.0, seconds / max(0.1, ramp)))
 
 
 class Guidance:
@@ -216,7 +227,7 @@ class Guidance:
         """Idle for the spool-up time, then open the throttle until the vehicle leaves the ground."""
         if self._opened_at is None:
             self._opened_at = t + self._parameters["COM_SPOOLUP_TIME"]
-        return Throttle(max(0.0, (t - self._opened_at) / max(0.1, RAMP_OF_HOVER * self._parameters["MPC_TKO_RAMP_T"])))
+        return takeoff_throttle(t - self._opened_at, self._parameters["MPC_TKO_SPEED"], self._parameters)
 
     def _sunk(self, now: Estimate, step: float) -> Reference:
         """The reference one step further down: fast while high, slower below 10 m, crawling at the end."""

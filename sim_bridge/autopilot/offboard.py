@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from companion.frames import euler_from_rotation, rotation_matrix
-from sim_bridge.autopilot.guidance import CLOSED_OF_HOVER, RAMP_OF_HOVER, Throttle
+from sim_bridge.autopilot.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.autopilot.position_setpoints import PositionDemand
 from sim_bridge.control.position import Target
@@ -32,8 +32,7 @@ class PlaceFlight:
                 self._rises_from = None
                 return Throttle(0.0)
             self._rises_from = t if self._rises_from is None else self._rises_from
-            ramp = max(0.1, RAMP_OF_HOVER * self._parameters["MPC_TKO_RAMP_T"])
-            return Throttle((t - self._rises_from) / ramp)
+            return takeoff_throttle(t - self._rises_from, self._parameters["MPC_Z_VEL_MAX_UP"], self._parameters)
         self._rises_from = None
         if touching and demand.sinks(now.p_n[2]):
             return Throttle(CLOSED_OF_HOVER)

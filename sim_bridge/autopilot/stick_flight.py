@@ -6,7 +6,7 @@ import math
 
 from companion.frames import Quaternion, euler_from_rotation, multiply, rotation_matrix
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.guidance import CLOSED_OF_HOVER, Throttle
+from sim_bridge.autopilot.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.autopilot.setpoints import AttitudeDemand, RateDemand
 from sim_bridge.autopilot.sticks import Deflection
@@ -21,8 +21,8 @@ STANDS_STILL = 0.05
 """m/s below which a reference that is brought to rest has come to rest."""
 SOFTNESS = 0.6
 """How much of a deflection is cubed: PX4's expo."""
-TAKES_OFF = 0.0
-"""Throttle, after the dead zone, above which a vehicle on the ground takes off."""
+TAKES_OFF = 0.3
+"""Deflection of the throttle above which a vehicle on the ground takes off."""
 
 
 class StickFlight:
@@ -35,6 +35,7 @@ class StickFlight:
         self._mode = Mode.POSITION
         self._heading = 0.0
         self._reference = Reference((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        self._rises_from: float | None = None  # s armed, when the throttle began to open
         self.target: Target | None = None
 
     def enter(self, mode: Mode, now: Estimate) -> None:
@@ -43,19 +44,34 @@ class StickFlight:
         self._heading = _heading_of(now)
         self._reference = Reference(now.p_n, now.v_n)
 
-    def aim(self, now: Estimate, sticks: Deflection, landed: bool, touching: bool, step: float) -> Target | Throttle:
-        """Of position and altitude: what the position loop is to fly for the next ``step`` s."""
+    def aim(
+        self, now: Estimate, sticks: Deflection, height: float, armed_for: float, landed: bool, stands: bool,
+        touching: bool, step: float,
+    ) -> Target | Throttle:  # fmt: skip
+        """Of position and altitude: what the position loop is to fly for the next ``step`` s.
+
+        ``height``: m above home; ``armed_for``: s; ``stands``: the legs are on the ground.
+        """
         climb = self._shaped(sticks.throttle)
-        if landed and climb <= TAKES_OFF:
+        rises = self._rises_from is not None and stands and climb > 0.0
+        if landed or rises:
             self.enter(self._mode, now)
             self.target = None
-            return Throttle(0.0)
+            wants = rises or (sticks.throttle > TAKES_OFF and armed_for >= self._parameters["COM_SPOOLUP_TIME"])
+            if not wants:
+                self._rises_from = None
+                return Throttle(0.0)
+            self._rises_from = armed_for if self._rises_from is None else self._rises_from
+            return takeoff_throttle(
+                armed_for - self._rises_from, self._parameters["MPC_Z_VEL_MAX_UP"], self._parameters
+            )  # fmt: skip
+        self._rises_from = None
         if touching and climb < 0.0:
             return Throttle(CLOSED_OF_HOVER)
         rate = self._turned(sticks, step)
         level = (self._shaped(sticks.pitch), self._shaped(sticks.roll))
         north, east = self._ahead(*level)
-        self.target = self._place(now, north, east, climb, rate, step)
+        self.target = self._place(now, north, east, self._vertical(climb, height), rate, step)
         return self.target
 
     def demand(self, now: Estimate, sticks: Deflection, landed: bool, step: float) -> AttitudeDemand | RateDemand:
@@ -80,9 +96,20 @@ class StickFlight:
             self._throttle(sticks.throttle), rate,
         )  # fmt: skip
 
-    def _place(self, now: Estimate, north: float, east: float, climb: float, rate: float, step: float) -> Target:
+    def _vertical(self, climb: float, height: float) -> float:
+        """The velocity (m/s down) a throttle asks for ``height`` m above home: slow near the ground."""
         limits = self._parameters
-        down = -climb * limits["MPC_Z_VEL_MAX_UP" if climb > 0.0 else "MPC_Z_VEL_MAX_DN"]
+        low, high = limits["MPC_LAND_ALT2"], limits["MPC_LAND_ALT1"]
+        share = max(0.0, min(1.0, (height - low) / max(1e-3, high - low)))
+        if climb > 0.0:
+            most, slow = limits["MPC_Z_VEL_MAX_UP"], limits["MPC_TKO_SPEED"]
+        else:
+            most, slow = limits["MPC_Z_VEL_MAX_DN"], limits["MPC_LAND_SPEED"]
+        allowed = slow + share * (most - slow)
+        return max(-allowed, min(allowed, -climb * most))
+
+    def _place(self, now: Estimate, north: float, east: float, down: float, rate: float, step: float) -> Target:
+        limits = self._parameters
         level_is_flown = self._mode in BY_POSITION
         most = max(0.1, min(limits["MPC_VEL_MANUAL"], limits["MPC_XY_VEL_MAX"]))
         velocity = (north * most, east * most, down) if level_is_flown else (0.0, 0.0, down)
@@ -93,10 +120,10 @@ class StickFlight:
             hardest = min(hardest, max(0.05, 2.0 * limits["MPC_ACC_HOR"] / most * gap))
         level = Pace(acceleration=hardest, jerk=limits["MPC_JERK_MAX"])
         (x, y, _), (vx, vy, _), (ax, ay, _) = along(self._reference, velocity, level, step)
-        upright = level._replace(acceleration=limits["MPC_ACC_DOWN_MAX"])
+        upright = level._replace(acceleration=limits["MPC_ACC_UP_MAX" if down < 0.0 else "MPC_ACC_DOWN_MAX"])
         (_, _, z), (_, _, vz), (_, _, az) = along(self._reference, velocity, upright, step)
         rests = (north, east) == (0.0, 0.0) and math.hypot(vx, vy) < STANDS_STILL
-        rests_in_height = climb == 0.0 and abs(vz) < STANDS_STILL
+        rests_in_height = down == 0.0 and abs(vz) < STANDS_STILL
         if not rests:
             x, y = now.p_n[:2]
         if not rests_in_height:
