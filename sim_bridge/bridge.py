@@ -79,6 +79,7 @@ class Bridge:
             self._sensors.observe(self.plant.truth),
             self.plant.truth,
             direct=self.direct,
+            pack=world.battery,
         )
         self._held = False
         if not landed:

@@ -8,6 +8,7 @@ from companion.frames import Quaternion, Vec3
 from companion.geodesy import MapProjection
 from companion.mavlink.modes import Landed, Mode
 from companion.vehicle import Vehicle
+from companion.world import Battery as Pack
 from companion.world import Home
 from sim_bridge.autopilot import fact_watch, mission_watch, parameters
 from sim_bridge.autopilot.battery import Battery
@@ -42,18 +43,20 @@ UNIX_US_AT_BOOT = 1_767_225_600_000_000
 class Autopilot:
     """The autopilot of one vehicle, stepped every ``step`` s. ``direct``: it takes motor commands.
 
-    ``estimate``: the last one; ``demand``: what offboard flies; ``offboard_flown``: whether it has flown any;
-    ``truth``: what only the simulation knows, for the message that tells it.
+    ``pack``: its battery, where the world has one. ``estimate``: the last one; ``demand``: what
+    offboard flies; ``offboard_flown``: whether it has flown any; ``truth``: what only the simulation knows, for the
+    message that tells it.
     """
 
     def __init__(
-        self, vehicle: Vehicle, home: Home, step: float, estimate: Estimate, truth: Truth, *, direct: bool
-    ) -> None:
+        self, vehicle: Vehicle, home: Home, step: float, estimate: Estimate, truth: Truth, *, direct: bool,
+        pack: Pack | None = None,
+    ) -> None:  # fmt: skip
         self.vehicle = vehicle
         self.home = home
         self.projection = MapProjection(home.latitude, home.longitude)
         self.direct = direct
-        self.parameters = parameters.of(vehicle, home)
+        self.parameters = parameters.of(vehicle, home, pack)
         self.battery = Battery(self.parameters)
         self.commander = Commander(self.parameters, READY_AFTER)
         self.events = Events()
@@ -153,7 +156,8 @@ class Autopilot:
             return self._fly(now, self.stick_flight.demand(now, sticks, commander.landed, self._step))
         if cascade.wants_target:
             wanted = self.stick_flight.aim(
-                now, sticks, commander.landed, self._landing.touching, cascade.position_step
+                now, sticks, self.guidance.home_n[2] - now.p_n[2], self.t - commander.armed_at, commander.landed,
+                self._stands, self._landing.touching, cascade.position_step,
             )  # fmt: skip
             if isinstance(wanted, Throttle):
                 return self._open_throttle(now, wanted)

@@ -13,11 +13,13 @@ from functools import cache
 from pathlib import Path
 
 from companion.vehicle import Vehicle
-from companion.world import Home
+from companion.world import Battery, Home
 
 TABLE = Path(__file__).with_name("parameters.txt")
 HURRIED = ("COM_OF_LOSS_T", "COM_RC_LOSS_T", "COM_DL_LOSS_T", "COM_DISARM_PRFLT")
 """What waits for somebody outside, who lives by the wall's clock."""
+CELL_FULL = 4.05
+"""V, from which the number of a battery's cells is told."""
 FLOAT_EPSILON = 1.1920929e-7
 VOLATILE = frozenset(
     {"ASPD_SCALE_1", "COM_FLIGHT_UUID", "EKF2_MAG_DECL", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO", "SENS_DPRES_OFF"}
@@ -97,8 +99,8 @@ def defaults() -> Parameters:
     return Parameters(table())
 
 
-def of(vehicle: Vehicle, home: Home) -> Parameters:
-    """A fresh set that describes a vehicle and where it stands."""
+def of(vehicle: Vehicle, home: Home, battery: Battery | None = None) -> Parameters:
+    """A fresh set that describes a vehicle, where it stands, and its battery where the world has one."""
     found = dict(table())
     lever = max(abs(x) for rotor in vehicle.rotors for x in rotor.position_b[:2]) or 1.0
     for i, rotor in enumerate(vehicle.rotors):
@@ -124,4 +126,12 @@ def of(vehicle: Vehicle, home: Home) -> Parameters:
         SIH_LOC_LON0=home.longitude,
         SIH_LOC_H0=home.altitude,
     )
+    if battery is not None:
+        cells = max(1, round(battery.full / CELL_FULL))
+        found.update(
+            BAT1_CAPACITY=battery.capacity / 3.6,
+            BAT1_N_CELLS=cells,
+            BAT1_V_CHARGED=battery.full / cells,
+            BAT1_V_EMPTY=battery.empty / cells,
+        )
     return Parameters(found)

@@ -33,26 +33,30 @@ def sys_status(a: Autopilot) -> Values:
         load=120,
         voltage_battery=_millivolts(a),
         current_battery=_centiamperes(a),
-        battery_remaining=_percent(a),
+        battery_remaining=math.ceil(_share_left(a)),
     )
 
 
 def battery_status(a: Autopilot) -> Values:
-    """BATTERY_STATUS."""
+    """BATTERY_STATUS. As in PX4 the percentage is rounded here, and rounded up in SYS_STATUS."""
+    left = a.battery.time_left
     return message("BATTERY_STATUS").values(
+        current_consumed=round(a.battery.consumed),
         energy_consumed=-1,
         temperature=32767,
         voltages=(_millivolts(a), *(NOT_TOLD_16,) * 9),
         current_battery=_centiamperes(a),
         battery_function=1,
         type=1,
-        battery_remaining=_percent(a),
+        battery_remaining=round(_share_left(a)),
+        time_remaining=0 if left is None else max(1, int(min(left, 1e6))),
         charge_state=a.battery.state,
     )
 
 
-def _percent(a: Autopilot) -> int:
-    return max(0, min(100, math.ceil(100.0 * a.battery.remaining)))
+def _share_left(a: Autopilot) -> float:
+    """%."""
+    return max(0.0, min(100.0, 100.0 * a.battery.remaining))
 
 
 def _centiamperes(a: Autopilot) -> int:
