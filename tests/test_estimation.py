@@ -236,6 +236,21 @@ def test_a_held_vehicle_teaches_nothing() -> None:
     assert not known.stuck
 
 
+def test_a_vehicle_that_is_let_go_is_seen_to_be_free_before_it_is_fast() -> None:
+    """Held while it leans to the north; a noise of velocity as outdoors does not free it, 0.13 m/s northwards does."""
+    rng = random.Random(7)
+    known, place = fly(level_start(), 6.0, 1.0, 0.9), (0.0, 0.0, -10.0)
+
+    def seen(known: Observed, v_n: Vec3) -> Observed:
+        return observed(known, 0.01, (-4.0, 0.0, G), G, place, v_n, limited=False, jumped=False, moving=True)
+
+    for k in range(400):
+        known = seen(known, (rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03)))
+        assert known.stuck or k < 50
+    assert seen(known, (-0.2, 0.0, 0.0)).stuck
+    assert not seen(known, (0.13, 0.0, 0.0)).stuck
+
+
 def test_turning_round_is_not_being_held() -> None:
     """A vehicle that comes to rest and sets off the other way at 1.5 m/s^2."""
     known, v = level_start(), 3.0

@@ -34,6 +34,8 @@ CALM = 1.0
 STILL, MISSING, MISSING_TIME = 0.25, 0.5, 1.0
 """m/s: slower than this a vehicle that is to move may be held; it is when so much velocity is missing that it should
 have come to in the last second or so (s)."""
+LET_GO = 0.12
+"""m/s: so fast towards where its thrust points a vehicle that was held is free again."""
 CONVERGED = 0.03
 """Standard deviation of the thrust scale at which it is known."""
 FIRST_LEARNING = 0.3
@@ -112,11 +114,14 @@ def observed(
 
 
 def _missing(known: Observed, dt: float, lift_n: Vec3, gravity: float, v_n: Vec3) -> Vec3:
-    """The velocity that a vehicle that stands still ought to have by now, from what is known of the forces on it."""
+    """The velocity that a vehicle that stands still ought to have by now, from what is known of the forces on it;
+    nothing once it moves, and one that was held is soon seen to move where it is pushed."""
     vx, vy, vz = v_n
-    if vx * vx + vy * vy + vz * vz > STILL * STILL:
+    x, y, z = known.missing_n
+    let_go = known.stuck and vx * x + vy * y + vz * z > LET_GO * math.sqrt(x * x + y * y + z * z)
+    if let_go or vx * vx + vy * vy + vz * vz > STILL * STILL:
         return (0.0, 0.0, 0.0)
-    (x, y, z), (sx, sy, sz), kappa = known.missing_n, known.slow_n, known.belief.kappa
+    (sx, sy, sz), kappa = known.slow_n, known.belief.kappa
     keep = 1.0 - dt / MISSING_TIME
     fx, fy, fz = lift_n
     return (

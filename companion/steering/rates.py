@@ -139,9 +139,10 @@ class RateSteering:
         command = self._asked(flying, aim)
         per_lift = vehicle.mass * belief.kappa
         highest = min(self.range.high, most_lift * vehicle.mass)
-        # a vehicle that is held learns nothing and must not wind up, neither here nor in its own rate loop
+        # the rate loop of a vehicle that is held must not wind up; its thrust settles at what the path asks of a
+        # vehicle at rest that leans like this, so that it is not flung away when it is let go
         stuck = memory.observed.stuck
-        later, slope, bound = self.range.integrated(zeta, 0.0 if stuck else command.zeta_derivative, dt, highest)
+        later, slope, bound = self.range.integrated(zeta, command.zeta_derivative, dt, highest)
         p, q, r = command.turn
         yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
         # every other step is often enough for a slope
