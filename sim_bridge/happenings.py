@@ -35,9 +35,9 @@ SAID_OF_THE_STATE: dict[int, set[Part]] = {
     message("ATTITUDE_QUATERNION").id: _ATTITUDE,
     message("LOCAL_POSITION_NED").id: _POSITION,
     message("GLOBAL_POSITION_INT").id: _POSITION,
-    message("ODOMETRY").id: _POSITION,
+    message("ODOMETRY").id: _POSITION | _ATTITUDE,
 }
-"""Messages of the state, and the silences that silence them. ODOMETRY has both parts; it stops with the position."""
+"""Messages of the state, and the silences that silence them. ODOMETRY has both parts and stops with either."""
 STATE_FIELDS: dict[int, tuple[tuple[set[Part], slice], ...]] = {
     message("ATTITUDE").id: ((_ATTITUDE, slice(1, 7)),),
     message("ATTITUDE_QUATERNION").id: ((_ATTITUDE, slice(1, 8)),),

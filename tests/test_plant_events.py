@@ -156,8 +156,8 @@ def test_a_state_that_is_not_a_number_is_only_said() -> None:
 @pytest.mark.parametrize(
     ("part", "silent", "heard"),
     [
-        (Part.ATTITUDE, {"ATTITUDE", "ATTITUDE_QUATERNION"}, {"ODOMETRY", "LOCAL_POSITION_NED"}),
-        (Part.POSITION, {"ODOMETRY", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT"}, {"ATTITUDE_QUATERNION"}),
+        (Part.ATTITUDE, {"ATTITUDE", "ATTITUDE_QUATERNION", "ODOMETRY"}, {"LOCAL_POSITION_NED", "GLOBAL_POSITION_INT"}),
+        (Part.POSITION, {"ODOMETRY", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT"}, {"ATTITUDE", "ATTITUDE_QUATERNION"}),
         (Part.STATE, {"ODOMETRY", "LOCAL_POSITION_NED", "ATTITUDE"}, {"TIMESYNC"}),
     ],
 )
