@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,10 +15,10 @@ import pytest
 
 from companion.fence import Circle, Fence
 from companion.flight.conduct import Conduct, Limits
-from companion.mavlink.codec import Encoder
-from companion.mavlink.dialect import message
+from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.dialect import Value, message
 from companion.pilot import LEVEL_FOR, completed, epilogue
-from companion.vehicle import Mode, OutputLevel
+from companion.vehicle import Mode, OutputLevel, RateSetpoint
 from companion.world import Link, Way, World
 from companion.world.events import (
     ClockJump,
@@ -35,6 +36,7 @@ from tests.flights import GROUND_STATION, Flown, Operator, flight, once
 
 FLOOR = 5.0
 """m above the ground that no fault here may cost: the paths lie at 10 m and more."""
+Meddling = Callable[[Flown], None]
 AT = 5.0
 """s: when it happens; the path has been flown for more than four seconds then."""
 
@@ -157,6 +159,90 @@ def test_the_state_falls_silent_while_the_link_lives(part: Part) -> None:
     assert watched.said.startswith("no state from the vehicle for 0.2")
     assert watched.mode is Mode.HOLD
     assert watched.lowest > FLOOR
+
+
+Fields = dict[str, Value]
+
+
+def altered(name: str, change: Callable[[Fields], Fields], at: float = AT, until: float = math.inf) -> Meddling:
+    """Somebody in the middle who changes every message of this name from ``at`` on, on its way down or up."""
+    encoders = {kind: Encoder(1, kind) for kind in (1, 191)}
+
+    def between(data: bytes, now: float) -> list[bytes]:
+        (frame,) = Decoder().datagram(data)
+        if frame.format.name != name or not at < now < until:
+            return [data]
+        values = change(frame.format.named(frame.values))
+        return [encoders[frame.component].message(frame.format, **values)]
+
+    def prepare(flown: Flown) -> None:
+        flown.between.down = flown.between.up = between
+
+    return prepare
+
+
+def frozen(*keys: str) -> Callable[[Fields], Fields]:
+    """These fields stay as they first were."""
+    kept: Fields = {}
+
+    def change(fields: Fields) -> Fields:
+        for key in keys:
+            kept.setdefault(key, fields[key])
+        return {**fields, **kept}
+
+    return change
+
+
+STALE_PARTS = {
+    "position": (("x", "y", "z"), "the vehicle says that it moves, and always the same position"),
+    "attitude": (("q",), "the vehicle says that it turns, and always the same attitude"),
+}
+
+
+@pytest.mark.parametrize(("mission", "level"), [("circle_r5", OutputLevel.ATTITUDE), ("figure8", OutputLevel.RATES)])
+@pytest.mark.parametrize("part", STALE_PARTS)
+def test_a_part_of_the_state_stands_still_while_the_rest_goes_on(part: str, mission: str, level: OutputLevel) -> None:
+    """Stale attitude only, stale position only: nothing falls silent, and yet it is noticed within 0.2 s."""
+    keys, says = STALE_PARTS[part]
+    watched = fly(mission=mission, level=level, prepare=altered("ODOMETRY", frozen(*keys)))
+    assert watched.said == f"{says}: HOLD was asked for, and the vehicle is in Hold; see the estimator's log"
+    assert watched.mode is Mode.HOLD
+    assert watched.lowest > FLOOR
+    assert watched.flown.setpoints[-1][0] < AT + 0.2 + LEVEL_FOR + 0.02
+    # turning cannot be told from an attitude that is not known
+    last = watched.flown.setpoints[-1][1]
+    assert part == "position" or not isinstance(last, RateSetpoint) or last.rates_b == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("part", STALE_PARTS)
+def test_a_part_that_stands_still_for_a_moment_is_flown_through(part: str) -> None:
+    keys, _ = STALE_PARTS[part]
+    watched = fly(prepare=altered("ODOMETRY", frozen(*keys), until=AT + 0.15))
+    assert watched.through(), watched.flown.notes
+    assert max(error for now, error in watched.flown.path_errors if now > AT) < 0.5
+
+
+def cuts(count: int) -> list[Event]:
+    """Gaps of 0.12 s, two a second."""
+    return [LinkCut(When(AT + 0.5 * i, AT + 0.5 * i + 0.12)) for i in range(count)]
+
+
+def test_link_gaps() -> None:
+    """None of them is long enough to be silence; five are too many."""
+    watched = fly(*cuts(8))
+    assert watched.said == (
+        "the link has gaps: 5 of over 0.1 s within 10 s: HOLD was asked for, and the vehicle is in Hold; mend the link: "
+        "antennas, range, another radio; or ask for fewer states"
+    )
+    assert watched.mode is Mode.HOLD
+    assert watched.lowest > FLOOR
+    assert max(error for _, error in watched.flown.path_errors) < 1.0
+
+
+def test_a_few_link_gaps_are_flown_through() -> None:
+    watched = fly(*cuts(4))
+    assert watched.through(), watched.flown.notes
+    assert max(error for now, error in watched.flown.path_errors if now > AT) < 0.2
 
 
 def test_the_attitude_falls_silent() -> None:
@@ -316,6 +402,30 @@ def test_a_motor_fails() -> None:
     assert memory.first_fault is not None
     assert "leans by" in memory.first_fault or "otherwise than it is told" in memory.first_fault, memory.first_fault
     assert "motors and propellers" in watched.said
+
+
+def unmoved(fields: Fields) -> Fields:
+    """No body rate is asked for, and the attitude that was asked for first."""
+    return {**fields, "body_roll_rate": 0.0, "body_pitch_rate": 0.0, "body_yaw_rate": 0.0}
+
+
+@pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
+def test_the_rate_loop_does_not_answer(level: OutputLevel) -> None:
+    """The vehicle keeps its attitude, whatever it is told: no rate is wrong, and no lean is steep."""
+    change = unmoved if level is OutputLevel.RATES else frozen("q")
+    watched = fly(level=level, prepare=altered("SET_ATTITUDE_TARGET", change))
+    assert re.match("the vehicle leans [456]. degrees otherwise than it is told: HOLD was asked for", watched.said)
+    assert "motors and propellers" in watched.said
+    assert watched.mode is Mode.HOLD
+    assert watched.lowest > FLOOR
+    assert max(error for _, error in watched.flown.path_errors) < 1.0
+
+
+def test_a_motor_loses_a_third_of_its_thrust_and_nobody_makes_up_for_it() -> None:
+    """At motors output there is no rate loop that would: it leans otherwise than it is told, long before it tumbles."""
+    watched = fly(MotorFailure(When(AT), 1, left=0.67), level=OutputLevel.MOTORS, after=0.0)
+    assert re.match("the vehicle leans 4. degrees otherwise than it is told", watched.said)
+    assert watched.flown.path_errors[-1][1] < 0.5
 
 
 def test_a_weak_motor_is_flown_with() -> None:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from companion.flight.conduct import Limits
+from companion.flight.conduct import TILT_MARGIN, Limits
 from companion.vehicle import VehicleStatus
 
 ESTIMATOR_PARTS = (
@@ -22,9 +22,12 @@ ESTIMATOR_PARTS = (
 )
 """The bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for."""
 CLOCK_JUMP = 0.5
+TILT_ERROR = math.radians(40.0)
 RATE_ERROR, TURNING = 3.0, 1.0
 BEHIND = 5
 SLOW_RATE = 12.0
+GAP, GAPS, GAPS_WITHIN = 0.1, 5, 10.0
+"""s without a state that count as a gap; so many gaps within so many s are too many."""
 FENCE_AHEAD = 1.0
 FAR_OFF = 1.0
 
@@ -43,12 +46,14 @@ class Sight(NamedTuple):
 
     ``following``: the path is flown now, and it was reached. ``path_error``: m. ``height``: m above the ground, None
     where that is not known. ``fence_margin``: m to the mission's fence, inside positive. ``from_home``: m level, and
-    ``above_home`` m. ``tilt``: rad. ``rate_error``: rad/s between the rates asked for and flown, None where none are.
-    ``turning``: rad/s, how fast it turns. ``still``: it neither moves nor turns.
+    ``above_home`` m. ``tilt``: rad. ``tilt_error``: rad between the thrust axis and the one the law asks for.
+    ``rate_error``: rad/s between the rates asked for and flown, None where none are. ``turning``: rad/s, how fast it
+    turns. ``still``: it neither moves nor turns.
     ``saturated``: a limit of the vehicle was met. ``jump``: m that the position jumped at an estimator's reset.
+    ``same_place``, ``same_attitude``: the last state repeated those of the one before, although it moves, or turns.
     ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
-    together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``companions``: others
-    that speak on the link.
+    together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``gaps``: in the states,
+    of the last while. ``companions``: others that speak on the link.
     """
 
     status: VehicleStatus
@@ -59,14 +64,18 @@ class Sight(NamedTuple):
     from_home: float | None = None
     above_home: float | None = None
     tilt: float = 0.0
+    tilt_error: float = 0.0
     rate_error: float | None = None
     turning: float = 0.0
     still: bool = False
     saturated: bool = False
     jump: float = 0.0
+    same_place: bool = False
+    same_attitude: bool = False
     clock_jump: float = 0.0
     behind: int = 0
     rate: float | None = None
+    gaps: int = 0
     companions: int = 0
 
 
@@ -100,6 +109,14 @@ def _jump(s: Sight, limits: Limits) -> str | None:
     return f"the estimator moved the vehicle by {s.jump:.1f} m at once, out of the tube of {limits.tube:g} m"
 
 
+def _same_place(s: Sight, limits: Limits) -> str | None:
+    return "the vehicle says that it moves, and always the same position" if s.same_place else None
+
+
+def _same_attitude(s: Sight, limits: Limits) -> str | None:
+    return "the vehicle says that it turns, and always the same attitude" if s.same_attitude else None
+
+
 def _clock(s: Sight, limits: Limits) -> str | None:
     if abs(s.clock_jump) <= CLOCK_JUMP:
         return None
@@ -113,8 +130,14 @@ def _tilt(s: Sight, limits: Limits) -> str | None:
     return f"the vehicle leans by {math.degrees(s.tilt):.0f} degrees, more than {math.degrees(limits.tilt):.0f}"
 
 
+def _tilt_error(s: Sight, limits: Limits) -> str | None:
+    # a vehicle that is held does not lean as it is told either; it is to carry on when it is let go
+    if limits.tilt is None or s.tilt_error <= min(TILT_ERROR, limits.tilt) or s.still:
+        return None
+    return f"the vehicle leans {math.degrees(s.tilt_error):.0f} degrees otherwise than it is told"
+
+
 def _rates(s: Sight, limits: Limits) -> str | None:
-    # a vehicle that is held does not turn at all; it is to carry on when it is let go
     if s.rate_error is None or s.rate_error <= RATE_ERROR or s.turning <= TURNING:
         return None
     return f"the vehicle turns {s.rate_error:.1f} rad/s otherwise than it is told"
@@ -178,6 +201,10 @@ def _slow(s: Sight, limits: Limits) -> str | None:
     return None if s.rate is None or s.rate >= SLOW_RATE else f"only {s.rate:.0f} states a second arrive"
 
 
+def _gaps(s: Sight, limits: Limits) -> str | None:
+    return None if s.gaps < GAPS else f"the link has gaps: {s.gaps} of over {GAP:g} s within {GAPS_WITHIN:g} s"
+
+
 def _others(s: Sight, limits: Limits) -> str | None:
     return "another companion speaks on the link (a heartbeat of component 191)" if s.companions else None
 
@@ -197,18 +224,27 @@ ROWS: tuple[Row, ...] = (
         Action.ABORT,
         "see why the estimator was reset, then start again",
     ),
+    Row("the position stands still, and it moves", _same_place, 0.2, Action.ABORT, "see the estimator's log"),
+    Row("the attitude stands still, and it turns", _same_attitude, 0.2, Action.ABORT, "see the estimator's log"),
     Row(
         "the vehicle's clock jumps", _clock, 0.0, Action.ABORT, "see whether the autopilot restarted, then start again"
     ),
     Row(
-        "the lean comes within 2 degrees of the vehicle's failure detector",
+        f"the lean comes within {math.degrees(TILT_MARGIN):g} degrees of the vehicle's failure detector",
         _tilt,
         0.15,
         Action.ABORT,
         "land it and look at motors and propellers, or fly slower",
     ),
     Row(
-        "the vehicle turns 3 rad/s otherwise than it is told",
+        f"the vehicle leans {math.degrees(TILT_ERROR):.0f} degrees otherwise than it is told",
+        _tilt_error,
+        0.4,
+        Action.ABORT,
+        "land it and look at motors and propellers",
+    ),
+    Row(
+        f"the vehicle turns {RATE_ERROR:g} rad/s otherwise than it is told",
         _rates,
         0.4,
         Action.ABORT,
@@ -218,7 +254,7 @@ ROWS: tuple[Row, ...] = (
     Row("above the ceiling", _ceiling, 0.1, Action.HAND_BACK, "lower the path, or raise the ceiling"),
     Row("outside the mission's fence", _fence, 0.1, Action.HAND_BACK, "move the path, or the fence"),
     Row(
-        "within a metre of the vehicle's own fence",
+        f"within {FENCE_AHEAD:g} m of the vehicle's own fence",
         _own_fence,
         0.1,
         Action.HAND_BACK,
@@ -233,15 +269,22 @@ ROWS: tuple[Row, ...] = (
     ),
     Row("at the limits of the vehicle", _saturated, 4.0, Action.HAND_BACK, "fly slower; companion check says how much"),
     Row("the battery is low", _battery, 2.0, Action.HAND_BACK, "land it and charge"),
-    Row("more than a metre from the path", _off_the_path, 20.0, Action.HAND_BACK, "fly slower or in less wind"),
+    Row(f"more than {FAR_OFF:g} m from the path", _off_the_path, 20.0, Action.HAND_BACK, "fly slower or in less wind"),
     Row(
-        "five states at once: the computer is behind",
+        f"{BEHIND} states at once: the computer is behind",
         _behind,
         0.5,
         Action.HAND_BACK,
         "end what else runs on the computer, or ask for fewer states",
     ),
-    Row("fewer than 12 states a second", _slow, 1.0, Action.HAND_BACK, "raise the link's speed"),
+    Row(f"fewer than {SLOW_RATE:g} states a second", _slow, 1.0, Action.HAND_BACK, "raise the link's speed"),
+    Row(
+        f"{GAPS} gaps of over {GAP:g} s in the states within {GAPS_WITHIN:g} s",
+        _gaps,
+        0.0,
+        Action.HAND_BACK,
+        "mend the link: antennas, range, another radio; or ask for fewer states",
+    ),
     Row("another companion speaks on the link", _others, 0.0, Action.HAND_BACK, "stop the other companion"),
 )
 

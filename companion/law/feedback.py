@@ -40,6 +40,18 @@ def clamped(value: Scalar, limit: float) -> Scalar:
     return maximum(minimum(value, limit), -limit)
 
 
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """``derivative``: the snap (motors) or jerk (rates) that gives the errors their linear dynamics.
+
+    ``missing``: m/s^2, what the acceleration lacks of the one the errors ask for: -(k_0 e + k_1 e')/k_2 - e'' for h1
+    and h2, one order less for h3; zero on the path following manifold.
+    """
+
+    derivative: Vector
+    missing: Vector
+
+
 def linear(gains: Sequence[float], errors: Sequence[Scalar]) -> Scalar:
     """-k_0 e - k_1 e' - ... (Eq. 9)."""
     total: Scalar = 0.0
@@ -48,7 +60,12 @@ def linear(gains: Sequence[float], errors: Sequence[Scalar]) -> Scalar:
     return total
 
 
-def wanted_derivative(known: Outputs, level: Level, gains: Gains, bounds: Bounds | None) -> Vector:
+def lacking(gains: Sequence[float], errors: Sequence[Scalar], order: int) -> Scalar:
+    """What the error's derivative of this ``order`` lacks of the one that the errors below it ask for."""
+    return linear(gains[: order + 1], errors[: order + 1]) / gains[order]
+
+
+def wanted_derivative(known: Outputs, level: Level, gains: Gains, bounds: Bounds | None) -> Wanted:
     """The snap (motors) or jerk (rates) that gives h1, h2, h3 their linear dynamics: the 3x3 solve
 
         [grad h1; grad h2; mu] S = v - drift
@@ -70,28 +87,32 @@ def wanted_derivative(known: Outputs, level: Level, gains: Gains, bounds: Bounds
     v1 = linear(gains.h1, errors1) - known.h1.derivative(n1)
     v2 = linear(gains.h2, errors2) - known.h2.derivative(n1)
     v3 = linear(gains.h3, errors3) - known.h3.derivative(n3)
-    wanted: Vector = mu * v3 + across1 * v1 + across2 * v2
-    return wanted
+    a1, a2, a3 = lacking(gains.h1, errors1, 2), lacking(gains.h2, errors2, 2), lacking(gains.h3, errors3, 1)
+    return Wanted(mu * v3 + across1 * v1 + across2 * v2, mu * a3 + across1 * a1 + across2 * a2)
 
 
-def wanted_on_curve(
-    seen: Closest, alpha: Taylor, level: Level, gains: Gains, bounds: Bounds | None
-) -> tuple[Vector, tuple[Scalar, ...]]:
-    """The snap (motors) or jerk (rates) that gives the transverse and the speed errors their linear dynamics, and h3
-    with its known derivatives. ``alpha``: the wanted speed as a series in time."""
+def wanted_on_curve(seen: Closest, alpha: Taylor, level: Level, gains: Gains, bounds: Bounds | None) -> Wanted:
+    """The same from the transverse error and the speed error. ``alpha``: the wanted speed as a series in time."""
     _, _, n3, _ = level.degrees
     T = seen.T[0]
-    errors3 = tuple(speed - alpha.derivative(k) for k, speed in enumerate(seen.vT))
-    used3 = list(errors3)
+    used3 = [speed - alpha.derivative(k) for k, speed in enumerate(seen.vT)]
     offset = seen.w[0]
     if bounds is not None:
         offset = offset * (bounds.path_error / maximum(bounds.path_error, offset.norm()))
         used3[0] = clamped(used3[0], bounds.speed_error)
-    normal = -seen.cross
-    for gain, error in zip(gains.h1, (offset, *seen.w[1:]), strict=True):
-        normal = normal - error * gain
+    across = (offset, *seen.w[1:])
+    normal = linear_across(gains.h1, across) - seen.cross
     tangential = linear(gains.h3, used3) + alpha.derivative(n3) - seen.along
-    return projected(T, normal) + T * tangential, errors3
+    missing = linear_across(gains.h1[:3], across[:3]) / gains.h1[2] + T * lacking(gains.h3, used3, 1)
+    return Wanted(projected(T, normal) + T * tangential, missing)
+
+
+def linear_across(gains: Sequence[float], errors: Sequence[Vector]) -> Vector:
+    """``linear`` of vectors."""
+    total = errors[0] * -gains[0]
+    for gain, error in zip(gains[1:], errors[1:], strict=True):
+        total = total - error * gain
+    return total
 
 
 def wanted_heading_acceleration(

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
-from companion.calculus.scalar import Scalar
+from companion.calculus.scalar import Scalar, maximum
 from companion.calculus.straight import Function, Tape
 from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Rotation, Vector
@@ -21,6 +21,7 @@ from companion.law.bare import LawError
 from companion.law.closest import closest
 from companion.law.feedback import (
     Bounds,
+    Wanted,
     clamped,
     wanted_derivative,
     wanted_heading_acceleration,
@@ -39,6 +40,8 @@ from companion.vehicle import Vehicle
 
 NOWHERE = (0.0, 0.0, 0.0)
 REGULARITY_MIN = 1e-4
+WEIGHTLESS = 1e-3
+"""m/s^2 of thrust over mass below which it has no direction."""
 
 
 class Ramp(NamedTuple):
@@ -74,7 +77,8 @@ class Command(NamedTuple):
     ``zeta_derivative``: zeta_ddot (motors) or zeta_dot (rates). ``turn``: torques in N m (motors) or body rates in
     rad/s (rates). ``tangent``: mu, in the world frame. ``speed``: mu . V; ``alpha``: the mission's speed here. ``yaw``:
     psi and ``beta`` in rad. ``regularity``: 0 where the law is singular: the sine of the angle between the gradients,
-    or on a curve Q, 1 on it and 0 on its evolute.
+    or on a curve Q, 1 on it and 0 on its evolute. ``aligned``: the cosine of the angle between the thrust axis and the
+    one that the errors ask for.
     """
 
     zeta_derivative: float
@@ -85,6 +89,7 @@ class Command(NamedTuple):
     yaw: float
     beta: float
     regularity: float
+    aligned: float = 1.0
 
 
 class Law(Protocol):
@@ -210,7 +215,7 @@ def curve_law(
     motion_derivatives = known_motion(level, model, motion)
     seen = closest(derivatives[: len(motion_derivatives) + 1], motion_derivatives, bounds.q_min if bounds else 0.0)
     alpha = _along(tape.inputs("a0", "a1", "a2", "a3"), seen.s)
-    wanted, _ = wanted_on_curve(seen, factor * alpha, level, gains, bounds)
+    wanted = wanted_on_curve(seen, factor * alpha, level, gains, bounds)
     beta_inputs = tape.inputs("b0", "b1", "b2", "b3")
     if isinstance(yaw, ConstantYaw | YawExpression | YawProfile):
         beta = _along(beta_inputs, seen.s)
@@ -269,7 +274,7 @@ def known_motion(level: Level, model: Model, motion: Motion) -> tuple[Vector, ..
 
 def finished(
     tape: Tape, level: Level, model: Model, motion: Motion, gains: Gains, bounds: Bounds | None,
-    wanted: Vector, told: tuple[Scalar, ...], beta: Taylor, regularity: Scalar,
+    wanted: Wanted, told: tuple[Scalar, ...], beta: Taylor, regularity: Scalar,
 ) -> Function:  # fmt: skip
     """From the wanted derivative of the position to thrust and turning, by flatness; and what the flight reports."""
     psi = heading(motion.R)
@@ -279,15 +284,17 @@ def finished(
         psi_dot = HeadingRate(motion.R).of(motion.w)
         psi_ddot = wanted_heading_acceleration(psi, psi_dot, beta, gains, bounds)
         J = jerk(model, motion, A)
-        zeta_derivative, w_dot = body_acceleration(model, motion, wanted, J, psi_ddot, divisor)
+        zeta_derivative, w_dot = body_acceleration(model, motion, wanted.derivative, J, psi_ddot, divisor)
         if bounds is not None:
             w_dot.z = clamped(w_dot.z, bounds.yaw_acceleration)
         turn = torques(model, motion.w, w_dot)
     else:
         psi_dot = wanted_heading_rate(psi, beta, gains)
-        zeta_derivative, turn = body_rates(model, motion, wanted, A, psi_dot, divisor)
+        zeta_derivative, turn = body_rates(model, motion, wanted.derivative, A, psi_dot, divisor)
         if bounds is not None:
             turn.z = clamped(turn.z, bounds.yaw_rate)
+    lift = motion.R.e3 * (motion.zeta / model.m) - wanted.missing
+    aligned = (lift @ motion.R.e3) / maximum(lift.norm(), WEIGHTLESS)
     return tape.function(
-        level.name.lower(), [zeta_derivative, *turn.components(), *told, psi, beta.derivative(0), regularity]
+        level.name.lower(), [zeta_derivative, *turn.components(), *told, psi, beta.derivative(0), regularity, aligned]
     )

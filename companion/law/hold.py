@@ -18,7 +18,7 @@ from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Vector
 from companion.frames import Vec3
 from companion.law.bare import LawError
-from companion.law.feedback import Bounds
+from companion.law.feedback import Bounds, Wanted
 from companion.law.flight import Command, Flying, finished, inputs, known_motion, place
 from companion.law.gains import Gains, Level
 from companion.law.motion import Model
@@ -54,15 +54,15 @@ def hold_law(level: Level, model: Model, gains: Gains, bounds: Bounds | None) ->
     k0, k1, k2, *rest = gains.h1
     e = motion.X - X0
     if bounds is None:
-        wanted = -(V * k1) - e * k0
+        errors = -(V * k1) - e * k0
     else:
         towards = V + _within(e, bounds.path_error) * (k0 / k1)
-        wanted = -(_within(towards, ACCELERATION_MAX * k2 / k1) * k1)
-    wanted = wanted - A * k2
-    if jerk:
-        wanted = wanted - jerk[0] * rest[0]
+        errors = -(_within(towards, ACCELERATION_MAX * k2 / k1) * k1)
+    errors = errors - A * k2
+    derivative = errors - jerk[0] * rest[0] if jerk else errors
     beta = Taylor((yaw, 0.0, 0.0))
     told: tuple[Scalar, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    wanted = Wanted(derivative, errors / k2)
     return HoldLaw(finished(tape, level, model, motion, gains, bounds, wanted, told, beta, 1.0))
 
 

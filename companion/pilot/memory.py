@@ -51,9 +51,11 @@ class Memory(NamedTuple):
     what came of it. ``follow_from``: stamp at which following began, ``leg_from``: at which the present leg of a path
     did. ``leg``: +1 in the mission's direction, -1 back; ``legs``: flown to their ends. ``aim``: the point that is held
     or gone to. ``reached``: the path was reached in this leg. ``scale``: the factor on the speed and its rate, 1/s.
-    ``jump`` m and ``clock_jump`` s: of the last state. ``since``: of the safety rows. ``first_fault``: why the flight
-    is not going to be completed, ``fault_event`` its kind, ``advice`` what to do then; ``last_event``: what began the
-    phase. ``flew``: setpoints were sent. ``shown``: on the bench.
+    ``jump`` m and ``clock_jump`` s: of the last state. ``same_place``, ``same_attitude``: it repeated those of the
+    state before, and yet moves, or turns. ``gaps``: s by our clock, when the last gaps in the states ended. ``since``:
+    of the safety rows. ``first_fault``: why the flight is not going to be completed, ``fault_event`` its kind,
+    ``advice`` what to do then; ``last_event``: what began the phase. ``flew``: setpoints were sent. ``shown``: on the
+    bench.
     """
 
     phase: Phase = Phase.PREFLIGHT
@@ -76,6 +78,9 @@ class Memory(NamedTuple):
     scale: tuple[float, float] = (1.0, 0.0)
     jump: float = 0.0
     clock_jump: float = 0.0
+    same_place: bool = False
+    same_attitude: bool = False
+    gaps: tuple[float, ...] = ()
     since: Since = NOTHING_SINCE
     finished: bool = False
     first_fault: str | None = None

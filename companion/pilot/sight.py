@@ -21,15 +21,15 @@ STILL = 0.15
 """m/s and rad/s below which the vehicle stands."""
 
 
-def sight(plan: Plan, memory: Memory, seen: Observation) -> safety.Sight:
-    """What the safety rows look at."""
+def sight(plan: Plan, memory: Memory, seen: Observation, now: float) -> safety.Sight:
+    """What the safety rows look at at ``now``, s by our clock."""
     state, progress, limits = memory.state, memory.progress, plan.conduct.limits
     if state is None:
         return safety.Sight(seen.status, rate=seen.rate, companions=seen.companions)
     x, y, z = state.p_n
     fence, home = plan.mission.fence_n, limits.home
-    steered = memory.steered
-    asked = None if steered is None or memory.phase not in FLOWN else steered.setpoint
+    steered = memory.steered if memory.phase in FLOWN else None
+    asked = None if steered is None else steered.setpoint
     return safety.Sight(
         status=seen.status,
         following=memory.phase is Phase.FOLLOW and memory.reached,
@@ -39,14 +39,18 @@ def sight(plan: Plan, memory: Memory, seen: Observation) -> safety.Sight:
         from_home=None if home is None else math.hypot(x - home[0], y - home[1]),
         above_home=None if home is None else home[2] - z,
         tilt=tilt(state.r_nb),
+        tilt_error=0.0 if steered is None else math.acos(min(max(steered.command.aligned, -1.0), 1.0)),
         rate_error=math.dist(asked.rates_b, state.w_b) if isinstance(asked, RateSetpoint) else None,
         turning=math.hypot(*state.w_b),
         still=math.hypot(*state.v_n) < STILL and math.hypot(*state.w_b) < STILL,
-        saturated=steered is not None and memory.phase in FLOWN and steered.saturated,
+        saturated=steered is not None and steered.saturated,
         jump=memory.jump,
+        same_place=memory.same_place,
+        same_attitude=memory.same_attitude,
         clock_jump=memory.clock_jump,
         behind=seen.behind,
         rate=seen.rate,
+        gaps=sum(now - ended < safety.GAPS_WITHIN for ended in memory.gaps),
         companions=seen.companions,
     )
 

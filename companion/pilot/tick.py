@@ -30,6 +30,8 @@ CLOCK_BACK = 1.0
 """s by which a state must be older than the last one to be the sign of a clock set back, and not merely late."""
 REACHED_WITHIN = 1.0
 """m from the path at which it counts as reached: from then on the tube around it is watched."""
+MOVES, TURNS = 0.1, 0.02
+"""m/s and rad/s from which on a position and an attitude must change from state to state."""
 SEARCH_ANEW = 0.5
 """m of an estimator's jump from which on the nearest point is sought on the whole path."""
 
@@ -80,7 +82,7 @@ def _calm(memory: Memory, seen: Observation) -> bool:
 
 def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
     """The rest of the tick, after ``first`` gave ``memory`` and ``early``."""
-    since, verdict = safety.watched(memory.since, sight(plan, memory, seen), plan.conduct.limits, now)
+    since, verdict = safety.watched(memory.since, sight(plan, memory, seen, now), plan.conduct.limits, now)
     if since is not memory.since:
         memory = memory._replace(since=since)
     if early is not None:
@@ -106,7 +108,8 @@ def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First
     elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None:
         setpoint = neutral(plan, memory.state, seen.status.landed is not Landed.IN_AIR)
     if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR:
-        usable = memory.state_at is not None and now - memory.state_at <= STALE_AFTER
+        fresh = memory.state_at is not None and now - memory.state_at <= STALE_AFTER
+        usable = fresh and not memory.same_attitude
         setpoint = plan.steering.level(memory.state if usable else None, memory.steering)
     if setpoint is not None and not memory.flew and memory.phase is not Phase.STAND_BY:
         memory = memory._replace(flew=True)
@@ -132,11 +135,18 @@ def _noticed(plan: Plan, memory: Memory, seen: Observation, now: float) -> Memor
     ahead = passed - (now - memory.state_at)
     # a link that fell silent and delivers late is no clock that jumped
     clock_jump = ahead if passed < 0.0 or ahead > 0.0 else 0.0
+    same_place, same_attitude = memory.same_place, memory.same_attitude
+    if passed > 0.0:  # not the same state once more
+        same_place = new.p_n == old.p_n and (same_place or math.hypot(*new.v_n) > MOVES)
+        same_attitude = new.q_nb == old.q_nb and (same_attitude or math.hypot(*new.w_b) > TURNS)
+    gaps = memory.gaps
+    if now - memory.state_at > safety.GAP:
+        gaps = (*(ended for ended in gaps if now - ended < safety.GAPS_WITHIN), now)
     progress = _progressed(plan, memory, new, jump)
     reached = memory.reached or (memory.phase is Phase.FOLLOW and progress.path_error < REACHED_WITHIN)
     return memory._replace(
         answer=answer, mode_seen=mode_seen, state=new, state_at=now, progress=progress, jump=jump,
-        clock_jump=clock_jump, reached=reached,
+        clock_jump=clock_jump, same_place=same_place, same_attitude=same_attitude, gaps=gaps, reached=reached,
     )  # fmt: skip
 
 
