@@ -120,10 +120,8 @@ def measured(
         near[0], distance = plan.table.nearest(truth.p_n, near[0], 3.0)
         tangent = plan.table.at(near[0])[1]
         speed = sum(t * v for t, v in zip(tangent, truth.v_n, strict=True))
-        r = rotation_matrix(truth.q_nb)
-        true.append(
-            (distance, speed - plan.mission.alpha(near[0]), wrap(math.atan2(r[3], r[0]) - plan.mission.beta(near[0])))
-        )
+        yaw = plan.mission.heading.of(rotation_matrix(truth.q_nb))
+        true.append((distance, speed - plan.mission.alpha(near[0]), wrap(yaw - plan.mission.beta(near[0]))))
         steered = conductor.last.outcome.steered if conductor.last is not None else None
         if steered is not None and memory.progress is not None:
             found[0] = steered.estimates

@@ -7,6 +7,7 @@ costs more than ten times as much in a control loop.
 
 from __future__ import annotations
 
+import enum
 import math
 
 Vec3 = tuple[float, float, float]
@@ -92,6 +93,24 @@ def quaternion_from_euler(psi: float, theta: float, phi: float) -> Quaternion:
 def euler_from_rotation(r: Matrix3) -> Vec3:
     """(psi, theta, phi) of R_nb, with |theta| <= pi/2. At |theta| = pi/2 only psi - phi is determined."""
     return (math.atan2(r[3], r[0]), math.asin(max(-1.0, min(1.0, -r[6]))), math.atan2(r[7], r[8]))
+
+
+class Heading(enum.Enum):
+    """What counts as the heading of a leaning vehicle; of a level one it is all the same.
+
+    ``PROJECTED``: of the forward axis seen from above, the yaw of the ZYX angles; undefined where that axis is
+    vertical, and not to be turned by yawing where the thrust axis is level. ``TWIST``: of the forward axis once the
+    thrust axis is swung upright the short way, 2 atan2(q_z, q_w); undefined only upside down.
+    """
+
+    PROJECTED = "projected"
+    TWIST = "twist"
+
+    def of(self, r: Matrix3) -> float:
+        """rad, clockwise from north seen from above."""
+        if self is Heading.TWIST:
+            return math.atan2(r[3] - r[1], r[0] + r[4])
+        return math.atan2(r[3], r[0])
 
 
 def tilt(r: Matrix3) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from companion.calculus.scalar import Scalar
 from companion.fence import Fence
-from companion.frames import Vec3
+from companion.frames import Heading, Vec3
 from companion.law.gains import Gains
 from companion.law.implicit import Position, Specification
 from companion.paths.arc import ArcTable
@@ -71,9 +71,9 @@ class Start:
 class Mission:
     """``path``: where. ``speed``, ``yaw``: alpha and beta along it. ``gains``: for the level that is flown, None where
     the level is not known. ``laps``: how many times around, None for until told. ``origin``: None where the file does
-    not say. ``look_at``: the point of ``yaw: look_at`` in the mission's coordinates. ``repeat``: what follows the end
-    of an open path; None: it ends there. ``fence``: where the vehicle may be, in the mission's coordinates.
-    ``notes``: what of the file is not flown, in sentences for the pilot."""
+    not say. ``heading``: the kind that ``yaw`` gives. ``look_at``: the point of ``yaw: look_at`` in the mission's
+    coordinates. ``repeat``: what follows the end of an open path; None: it ends there. ``fence``: where the vehicle may
+    be, in the mission's coordinates. ``notes``: what of the file is not flown, in sentences for the pilot."""
 
     name: str
     path: Path
@@ -84,6 +84,7 @@ class Mission:
     start: Start | None = None
     origin: Origin | GlobalOrigin | None = None
     vehicle: str | None = None
+    heading: Heading = Heading.PROJECTED
     look_at: Vec3 | None = None
     repeat: Repeat | None = None
     fence: Fence | None = None
@@ -177,4 +178,4 @@ class Mission:
             assert not isinstance(self.yaw, YawProfile)  # given over arc length
             return self.yaw.value(path.variables(p_n), p_n, travel)
 
-        return Specification(path.h, alpha, beta)
+        return Specification(path.h, alpha, beta, self.heading)

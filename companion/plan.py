@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from companion.estimation.learned import Learned, prior_of
 from companion.flight.conduct import Conduct
-from companion.frames import Vec3
+from companion.frames import Heading, Vec3
 from companion.law.feedback import Bounds
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
 from companion.law.gains import Gains, Level, default_gains
@@ -94,17 +94,18 @@ def prepared(
         )
     else:
         law = curve_law(
-            placed.path, placed.speed, placed.yaw, law_level(level), model_of(vehicle), gains, bounds, direction
-        )
+            placed.path, placed.speed, placed.yaw, law_level(level), model_of(vehicle), gains, bounds, direction,
+            placed.heading,
+        )  # fmt: skip
     course = None if bounds is None else course_of(table, placed.alpha, placed.closed, direction)
-    hold = hold_law(law_level(level), model_of(vehicle), usual, bounds)
+    hold = hold_law(law_level(level), model_of(vehicle), usual, bounds, placed.heading)
     # a smooth step of the speed is steepest in its middle, by 1.875
     ramp_time = 0.0 if vehicle.limits is None else 1.875 * max(map(abs, speeds)) / RAMP_ACCELERATION
     return Plan(
         mission=placed,
         vehicle=vehicle,
         level=level,
-        steering=_steering(law, hold, vehicle, level, tuning, gains, course, learned),
+        steering=_steering(law, hold, vehicle, level, tuning, gains, course, learned, placed.heading),
         table=table,
         direction=direction,
         ramp_time=ramp_time,
@@ -125,6 +126,7 @@ def _steering(
     gains: Gains,
     course: Course | None,
     learned: Learned | None,
+    heading: Heading,
 ) -> Steering:
     if level is OutputLevel.MOTORS:
         return motor_steering(law, hold, vehicle)
@@ -132,4 +134,4 @@ def _steering(
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
     prior = prior_of(learned, hover, vehicle.drag)
     lag = None if learned is None else learned.rate_lag
-    return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag)
+    return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag, heading)

@@ -33,9 +33,17 @@ def _value(text: str, names: Mapping[str, Any]) -> Any:
 
 
 def oracle(
-    h1: str, h2: str, alpha: str, beta: str, constants: Mapping[str, float], model: Mapping[str, float], rates: bool
+    h1: str,
+    h2: str,
+    alpha: str,
+    beta: str,
+    constants: Mapping[str, float],
+    model: Mapping[str, float],
+    rates: bool,
+    twist: bool = False,
 ) -> Any:
-    """A function of chi that gives Exact. ``rates``: the level of rates, chi without p, q, r and zeta_dot."""
+    """A function of chi that gives Exact. ``rates``: the level of rates, chi without p, q, r and zeta_dot. ``twist``:
+    beta is for the heading of the axis-angle twist about down, from the half angles of its quaternion."""
     X = ca.SX.sym("X", 3)
     psi, theta, phi = (ca.SX.sym(n) for n in ("psi", "theta", "phi"))
     V = ca.SX.sym("V", 3)
@@ -72,7 +80,11 @@ def oracle(
     f1, f2 = _value(h1, names) + 0 * X[0], _value(h2, names) + 0 * X[0]
     normal = ca.cross(ca.gradient(f1, X), ca.gradient(f2, X))
     h3 = ca.dot(normal / ca.norm_2(normal), V) - _value(alpha, names)
-    h4 = psi - _value(beta, names)
+    heading = psi
+    if twist:
+        (c1, c2, c3), (s1, s2, s3) = ([f(0.5 * a) for a in (psi, theta, phi)] for f in (ca.cos, ca.sin))
+        heading = 2.0 * ca.atan((s1 * c2 * c3 - c1 * s2 * s3) / (c1 * c2 * c3 + s1 * s2 * s3))
+    h4 = heading - _value(beta, names)
     xi, b, rows, lower = [], [], [], []
     for h, degree in zip((f1, f2, h3, h4), degrees, strict=True):
         derivative = ca.SX(h)

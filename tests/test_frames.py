@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.frames import (
+    Heading,
     conjugate,
     euler_from_rotation,
     from_rotation_vector,
@@ -47,6 +48,15 @@ def test_quaternion_matrix_and_euler_agree(psi: float, theta: float, phi: float)
     matrix = np.array(r).reshape(3, 3)
     assert np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(matrix) == pytest.approx(1.0)
+
+
+@given(angle, lean, lean)
+def test_headings(psi: float, theta: float, phi: float) -> None:
+    q = quaternion_from_euler(psi, theta, phi)
+    r = rotation_matrix(q)
+    assert wrap(Heading.PROJECTED.of(r) - psi) == pytest.approx(0.0, abs=1e-9)
+    assert wrap(Heading.TWIST.of(r) - 2.0 * math.atan2(q[3], q[0])) == pytest.approx(0.0, abs=1e-9)
+    assert wrap(Heading.TWIST.of(rotation_from_euler(psi, theta, 0.0)) - psi) == pytest.approx(0.0, abs=1e-9)
 
 
 @given(angle, lean, angle, st.tuples(*[st.floats(-5, 5)] * 3))

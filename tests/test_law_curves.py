@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -14,7 +15,7 @@ import pytest
 from companion.calculus.expression import parse
 from companion.calculus.scalar import cos, sin
 from companion.calculus.vectors import Vector
-from companion.frames import rotation_from_euler
+from companion.frames import Heading, rotation_from_euler
 from companion.law.flight import Flying, Law, OverArc, Ramp, curve_law, implicit_law
 from companion.law.gains import Gains, Level, from_poles
 from companion.law.implicit import Specification
@@ -66,6 +67,7 @@ def implicit(h1: str, h2: str, alpha: str, beta: Callable[[Any, Any], Any]) -> S
     return Specification(lambda p: (f1(names(p)), f2(names(p))), lambda p, mu: fa(names(p)), beta)
 
 
+@pytest.mark.parametrize("kind", list(Heading), ids=lambda kind: kind.value)
 @pytest.mark.parametrize("level", list(Level), ids=lambda level: level.name)
 @pytest.mark.parametrize(
     ("name", "yaw", "beta"),
@@ -74,13 +76,13 @@ def implicit(h1: str, h2: str, alpha: str, beta: Callable[[Any, Any], Any]) -> S
         ("tangent", TangentYaw(0.2), lambda p, mu: TangentYaw(0.2).value({}, p, mu)),
     ],
 )
-def test_a_circle_as_a_distance(level: Level, name: str, yaw: Yaw, beta: Any) -> None:
+def test_a_circle_as_a_distance(level: Level, name: str, yaw: Yaw, beta: Any, kind: Heading) -> None:
     """h1 = hypot(x, y) - r, h2 = z - z0 are distances: the implicit law is the closest-point law."""
-    spec = implicit("hypot(x, y) - 7", "z + 4", "3", beta)
+    spec = replace(implicit("hypot(x, y) - 7", "z + 4", "3", beta), heading=kind)
     # mu of the implicit circle runs counter-clockwise seen from above, as this curve does
     curve = analytic(lambda u: (7.0 * cos(u), -7.0 * sin(u), -4.0), 0.0, math.tau, True)
     a = implicit_law(spec, level, MODEL, GAINS[level], None)
-    b = curve_law(curve, ConstantSpeed(3.0), yaw, level, MODEL, GAINS[level], None, 1.0)
+    b = curve_law(curve, ConstantSpeed(3.0), yaw, level, MODEL, GAINS[level], None, 1.0, kind)
     rng = random.Random(name)
     for _ in range(60):
         s = rng.uniform(0.0, curve.table.length)

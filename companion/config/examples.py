@@ -94,7 +94,7 @@ path:
 {path}
 speed: {speed}
 yaw: {yaw}
-
+# heading: twist # which heading yaw is: projected (of the nose seen from above), or twist for tilts beyond 45 degrees
 {around}
 # gains: {{poles: {{path: [-3, -3, -3], speed: [-2, -2], yaw: [-2]}}}} # 1/s; as many as --output rates needs
 # fence: # where the vehicle may be, in m

@@ -35,7 +35,7 @@ from companion.config.profile_keys import (
 from companion.config.profiles import Profiles, known_names
 from companion.config.schema import Strict, validate
 from companion.fence import Fence
-from companion.frames import Vec3
+from companion.frames import Heading, Vec3
 from companion.law.gains import Level
 from companion.mission import GlobalOrigin, Mission, Origin, Repeat, Start
 from companion.mission import Path as MissionPath
@@ -86,6 +86,9 @@ class MissionModel(Strict):
     yaw: YawModel = 0.0
     """heading: degrees clockwise from north, an expression, tangent, {tangent: offset}, {look_at: [x, y, z]} or
     {table: [[s, degrees], ..]}"""
+    heading: Literal["projected", "twist"] = "projected"
+    """which heading of a leaning vehicle yaw is: projected (of its nose seen from above) or twist (of its nose once it
+    is swung upright), which steep flight holds without turning hard"""
     gains: GainsModel = Field(default_factory=GainsModel)
     """the gains; the level's own where absent"""
     laps: Annotated[float, Field(gt=0.0, le=10000.0)] | None = None
@@ -210,6 +213,7 @@ class _Reader:
             start=None if model.start is None else _start(model.start),
             origin=plan.origin if plan is not None and self._origin is None else self._origin,
             vehicle=model.vehicle,
+            heading=Heading(model.heading),
             look_at=look_at,
             repeat=None if model.repeat is None else Repeat(model.repeat),
             fence=_both(fence_from(model.fence), None if plan is None else plan.fence),

@@ -12,6 +12,7 @@ from companion.allocation import Allocation
 from companion.calculus.straight import ArrayFunction, Tape
 from companion.calculus.vectors import Vector
 from companion.feasibility.stations import Stations
+from companion.frames import Heading
 from companion.law.motion import Model
 from companion.law.reference import reference_over_arc
 from companion.vehicle import Vehicle
@@ -42,7 +43,7 @@ def demand(stations: Stations, vehicle: Vehicle, scale: float = 1.0) -> Demand:
     alpha, beta = stations.alpha * scale, stations.beta
     jx, jy, jz = vehicle.inertia
     parameters = (vehicle.mass, jx, jy, jz, vehicle.gravity, vehicle.drag)
-    values = _recorded()(*stations.path[1:].reshape(12, -1), *alpha, *beta, *parameters)
+    values = _recorded(stations.heading)(*stations.path[1:].reshape(12, -1), *alpha, *beta, *parameters)
     thrust, down = values[0], values[1]
     torques = values[5:8]
     return Demand(
@@ -70,13 +71,13 @@ def _motors(vehicle: Vehicle, wrench: Array) -> Array:
 
 
 @cache
-def _recorded() -> ArrayFunction:
+def _recorded(heading: Heading) -> ArrayFunction:
     """(four derivatives of the path, alpha 4, beta 3, mass, inertia, gravity, drag) -> zeta, R22, w, torque, |A|."""
     tape = Tape()
     path = [Vector(0.0, 0.0, 0.0), *(Vector(*tape.inputs(*(f"c{k}{axis}" for axis in "xyz"))) for k in range(1, 5))]
     alpha = tape.inputs("a0", "a1", "a2", "a3")
     beta = tape.inputs("b0", "b1", "b2")
     m, jx, jy, jz, g, c = tape.inputs("m", "jx", "jy", "jz", "g", "c")
-    there = reference_over_arc(path, alpha, beta, Model(m, Vector(jx, jy, jz), g, c))
+    there = reference_over_arc(path, alpha, beta, Model(m, Vector(jx, jy, jz), g, c), heading)
     outputs = [there.zeta, there.R.e3.z, *there.w.components(), *there.torque.components(), there.A.norm()]
     return tape.array_function("demand", outputs)

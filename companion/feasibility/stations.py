@@ -12,6 +12,7 @@ from companion.calculus.scalar import Scalar
 from companion.calculus.straight import ArrayFunction, Tape
 from companion.calculus.taylor import Gradient, Taylor
 from companion.calculus.vectors import Vector
+from companion.frames import Heading
 from companion.law.implicit import Position, Specification
 from companion.law.reference import flow, tangent
 from companion.mission import Mission
@@ -30,13 +31,14 @@ PER_KNOT = 4
 class Stations:
     """``s``: m, of n places. ``path``: the point and its four derivatives over arc length, (5, 3, n), local NED.
     ``alpha``: the speed and three, (4, n), m/s; nan where it is not known yet. ``beta``: the yaw and two, (3, n), rad.
-    ``sine``: between the gradients of h1 and h2, 1 on a curve."""
+    ``sine``: between the gradients of h1 and h2, 1 on a curve. ``heading``: the kind that ``beta`` is."""
 
     s: Array
     path: Array
     alpha: Array
     beta: Array
     sine: Array
+    heading: Heading = Heading.PROJECTED
 
     def with_speed(self, alpha: Array) -> Stations:
         """The same places at another speed."""
@@ -62,7 +64,7 @@ def stations(mission: Mission, s: Array) -> Stations:
     speed, yaw = mission.speed_over_arc, mission.yaw_over_arc
     alpha = np.array([speed.at(x) for x in s.tolist()]).T if speed is not None else result.alpha
     beta = np.array([yaw.at(x)[:3] for x in s.tolist()]).T if yaw is not None else result.beta
-    return replace(result, alpha=alpha, beta=beta)
+    return replace(result, alpha=alpha, beta=beta, heading=mission.heading)
 
 
 def _on_curve(mission: Mission, curve: Curve, s: Array) -> Stations:

@@ -72,5 +72,7 @@ What is wrong in the paper, and what is used here
 
 Where we depart from it, because a machine has limits: errors are saturated (feedback.Bounds), zeta and zeta_dot are
 bounded (steering.thrust), linear drag enters A, J and S (motion), and the law is evaluated where its command acts: half
-a step and the rotors' lag ahead (steering.motors).
+a step and the rotors' lag ahead (steering.motors). A mission may have h4 on the twist instead of psi (frames.Heading,
+flatness.HeadingRate): the relative degree is the same, and det D has 1 in the place of cos(phi)/cos(theta), so that phi
+and theta of +-90 deg are singular no more.
 """

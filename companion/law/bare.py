@@ -13,7 +13,7 @@ import numpy as np
 
 from companion.calculus.straight import Function, Tape
 from companion.calculus.vectors import ZERO, Rotation, Vector
-from companion.frames import rotation_from_euler
+from companion.frames import Heading, rotation_from_euler
 from companion.law.gains import Gains, Level
 from companion.law.implicit import Specification
 from companion.law.lie import linear_feedback, linearise, solve
@@ -66,10 +66,12 @@ def bare_law(
             raise LawError("singular: phi = +-90 deg")
         if abs(math.cos(theta)) < SINGULAR:
             raise LawError("singular: theta = +-90 deg")
+        r_nb = rotation_from_euler(psi, theta, phi)
+        counted = psi if specification.heading is Heading.PROJECTED else specification.heading.of(r_nb)
         w = (state.get("p", 0.0), state.get("q", 0.0), state.get("r", 0.0), state.get("zeta_dot", 0.0))
         position = (state["x"], state["y"], state["z"], state["u"], state["v"], state["w"])
         try:
-            values = matrices(*position, *rotation_from_euler(psi, theta, phi), psi, *w, zeta)
+            values = matrices(*position, *r_nb, counted, *w, zeta)
         except ZeroDivisionError:
             raise LawError("singular: grad h1 and grad h2 are dependent here, or a division by zero") from None
         except (ValueError, OverflowError) as error:

@@ -23,8 +23,8 @@ class Bounds:
 
     ``path_error`` m, ``speed_error`` m/s: errors beyond are used as if they were this large. ``yaw_rate`` rad/s,
     ``yaw_acceleration`` rad/s^2: holding a heading at a steep tilt must not take the thrust that carries the vehicle.
-    ``yaw_divisor``: the least |R22| used where the yaw channel divides by it; the path is followed either way.
-    ``q_min``: the least share of Q, the nearness of the evolute (see ``closest``).
+    ``yaw_divisor``: the least |R22| (of a twist, 1 + R22) used where the yaw channel divides by it; the path is
+    followed either way. ``q_min``: the least share of Q, the nearness of the evolute (see ``closest``).
     """
 
     path_error: float = 1.5
@@ -130,9 +130,9 @@ def wanted_heading_rate(psi: Scalar, beta: Taylor, gains: Gains) -> Scalar:
     return beta.derivative(1) + linear(gains.h4, (wrap(psi - beta.derivative(0)),))
 
 
-def yaw_divisor(r22: Scalar, bounds: Bounds | None) -> Scalar:
-    """R22 where the yaw channel divides by it, kept away from zero with its sign."""
+def yaw_divisor(by_r: Scalar, bounds: Bounds | None) -> Scalar:
+    """What the yaw channel divides by (HeadingRate's by_r), kept away from zero with its sign."""
     if bounds is None:
-        return r22
-    sign = r22 / maximum(sqrt(r22 * r22), 1e-12)
-    return sign * maximum(sqrt(r22 * r22), bounds.yaw_divisor)
+        return by_r
+    sign = by_r / maximum(sqrt(by_r * by_r), 1e-12)
+    return sign * maximum(sqrt(by_r * by_r), bounds.yaw_divisor)

@@ -16,7 +16,7 @@ from companion.calculus.scalar import Scalar, maximum
 from companion.calculus.straight import Function, Tape
 from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Rotation, Vector
-from companion.frames import Matrix3, Vec3
+from companion.frames import Heading, Matrix3, Vec3
 from companion.law.bare import LawError
 from companion.law.closest import closest
 from companion.law.feedback import (
@@ -199,16 +199,16 @@ def implicit_law(
     wanted = wanted_derivative(known, level, gains, bounds)
     sine = known.grad1.cross(known.grad2).norm() / (known.grad1.norm() * known.grad2.norm())
     told = (*known.mu.components(), known.mu @ motion.V, known.alpha)
-    step = finished(tape, level, model, motion, gains, bounds, wanted, told, known.beta, sine)
+    step = finished(tape, level, model, motion, gains, bounds, wanted, told, known.beta, specification.heading, sine)
     return ImplicitLaw(step, over_arc)
 
 
 def curve_law(
     curve: Curve, speed: SpeedOverArc, yaw: Yaw, level: Level, model: Model, gains: Gains, bounds: Bounds | None,
-    direction: float,
+    direction: float, kind: Heading = Heading.PROJECTED,
 ) -> CurveLaw:  # fmt: skip
     """Records the law of a parametrised curve. The gains of h1 serve both normal directions. ``direction``: any number
-    with the sign of the speed."""
+    with the sign of the speed. ``kind``: of the heading that ``yaw`` gives."""
     tape = Tape()
     model, motion, factor = inputs(tape, model)
     derivatives = tuple(Vector(*tape.inputs(*(f"g{k}{axis}" for axis in "xyz"))) for k in range(5))
@@ -226,7 +226,7 @@ def curve_law(
         )
         beta = yaw.value({}, seen.gamma, travel)
     told = (*seen.T[0].components(), seen.vT[0], alpha.c[0])
-    step = finished(tape, level, model, motion, gains, bounds, wanted, told, beta, seen.Q)
+    step = finished(tape, level, model, motion, gains, bounds, wanted, told, beta, kind, seen.Q)
     return CurveLaw(step, curve, speed, yaw, bounds is not None)
 
 
@@ -274,23 +274,22 @@ def known_motion(level: Level, model: Model, motion: Motion) -> tuple[Vector, ..
 
 def finished(
     tape: Tape, level: Level, model: Model, motion: Motion, gains: Gains, bounds: Bounds | None,
-    wanted: Wanted, told: tuple[Scalar, ...], beta: Taylor, regularity: Scalar,
+    wanted: Wanted, told: tuple[Scalar, ...], beta: Taylor, kind: Heading, regularity: Scalar,
 ) -> Function:  # fmt: skip
     """From the wanted derivative of the position to thrust and turning, by flatness; and what the flight reports."""
-    psi = heading(motion.R)
-    divisor = yaw_divisor(motion.R.e3.z, bounds)
+    psi, rate = heading(motion.R, kind), HeadingRate(motion.R, kind)
+    divisor = yaw_divisor(rate.by_r, bounds)
     A = acceleration(model, motion)
     if level is Level.MOTORS:
-        psi_dot = HeadingRate(motion.R).of(motion.w)
-        psi_ddot = wanted_heading_acceleration(psi, psi_dot, beta, gains, bounds)
+        psi_ddot = wanted_heading_acceleration(psi, rate.of(motion.w), beta, gains, bounds)
         J = jerk(model, motion, A)
-        zeta_derivative, w_dot = body_acceleration(model, motion, wanted.derivative, J, psi_ddot, divisor)
+        zeta_derivative, w_dot = body_acceleration(model, motion, wanted.derivative, J, psi_ddot, rate, divisor)
         if bounds is not None:
             w_dot.z = clamped(w_dot.z, bounds.yaw_acceleration)
         turn = torques(model, motion.w, w_dot)
     else:
         psi_dot = wanted_heading_rate(psi, beta, gains)
-        zeta_derivative, turn = body_rates(model, motion, wanted.derivative, A, psi_dot, divisor)
+        zeta_derivative, turn = body_rates(model, motion, wanted.derivative, A, psi_dot, rate, divisor)
         if bounds is not None:
             turn.z = clamped(turn.z, bounds.yaw_rate)
     lift = motion.R.e3 * (motion.zeta / model.m) - wanted.missing

@@ -16,7 +16,7 @@ from companion.calculus.scalar import Scalar, maximum
 from companion.calculus.straight import Function, Tape
 from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Vector
-from companion.frames import Vec3
+from companion.frames import Heading, Vec3
 from companion.law.bare import LawError
 from companion.law.feedback import Bounds, Wanted
 from companion.law.flight import Command, Flying, finished, inputs, known_motion, place
@@ -44,7 +44,9 @@ class HoldLaw:
         return Command(values[0], values[1:4], values[4:7], *values[7:])  # type: ignore[arg-type]
 
 
-def hold_law(level: Level, model: Model, gains: Gains, bounds: Bounds | None) -> HoldLaw:
+def hold_law(
+    level: Level, model: Model, gains: Gains, bounds: Bounds | None, kind: Heading = Heading.PROJECTED
+) -> HoldLaw:
     """Records the law that holds a point. Only the gains of h1 (all directions) and h4 are used."""
     tape = Tape()
     model, motion, _ = inputs(tape, model)
@@ -63,7 +65,7 @@ def hold_law(level: Level, model: Model, gains: Gains, bounds: Bounds | None) ->
     beta = Taylor((yaw, 0.0, 0.0))
     told: tuple[Scalar, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
     wanted = Wanted(derivative, errors / k2)
-    return HoldLaw(finished(tape, level, model, motion, gains, bounds, wanted, told, beta, 1.0))
+    return HoldLaw(finished(tape, level, model, motion, gains, bounds, wanted, told, beta, kind, 1.0))
 
 
 def _within(vector: Vector, most: float) -> Vector:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from companion.calculus.scalar import Scalar
 from companion.calculus.taylor import Gradient, Taylor
 from companion.calculus.vectors import Vector
+from companion.frames import Heading
 
 Position = tuple[Scalar, Scalar, Scalar]
 PathFunction = Callable[[Position], tuple[Scalar, Scalar]]
@@ -25,11 +26,12 @@ Function = Callable[[Position, Position], Scalar]
 @dataclass(frozen=True, slots=True)
 class Specification:
     """What is to be flown: h = (h1, h2) of the position (Def. 3.1), alpha (Def. 3.2) and beta (Def. 3.3) of the
-    position and the unit tangent mu (the paper's take the position only)."""
+    position and the unit tangent mu (the paper's take the position only). ``heading``: whose beta is."""
 
     h: PathFunction
     alpha: Function
     beta: Function
+    heading: Heading = Heading.PROJECTED
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,13 +32,13 @@ class Linearisation:
 
 
 def linearise(specification: Specification, level: Level, model: Model, motion: Motion, psi: Scalar) -> Linearisation:
-    """xi, b and D at a state. ``psi``: the yaw as the caller counts it; h4 = psi - beta is not wrapped.
+    """xi, b and D at a state. ``psi``: the heading, as the caller counts it; h4 = psi - beta is not wrapped.
 
     The inputs are (zeta_ddot, u2, u3, u4) at the level of motors, Lemma 4.1; (zeta_dot, p, q, r) at that of rates.
     """
     m, zeta, R = model.m, motion.zeta, motion.R
     A = acceleration(model, motion)
-    rate = HeadingRate(R)
+    rate = HeadingRate(R, specification.heading)
     unit = Taylor((1.0, *(0.0 for _ in range(level.value))))
     by_thrust = -R.e3 / m  # the unknown derivative of the position, per unit of zeta's highest derivative
     by_roll = R.e2 * (zeta / m)  # ... of body acceleration (or rate) p
@@ -55,16 +55,16 @@ def linearise(specification: Specification, level: Level, model: Model, motion: 
         b_ddot = R.to_world(Vector(r * p + w_dot.y, r * q - w_dot.x, -p * p - q * q))
         drift = -(b_dot * (2.0 * motion.zeta_dot) + b_ddot * zeta) / m - jerk(model, motion, A) * model.c
         psi_dot = rate.of(w)
-        psi_drift = (rate.drift(R, w) + rate.a * w_dot.y + rate.c * w_dot.z) / rate.d
+        psi_drift = (rate.drift(w) + rate.by_p * w_dot.x + rate.by_q * w_dot.y + rate.by_r * w_dot.z) / rate.d
         columns = (by_thrust, by_roll / J.x, by_pitch / J.y)
-        yaw_row = (0.0, 0.0, rate.a / (J.y * rate.d), rate.c / (J.z * rate.d))
+        yaw_row = (0.0, rate.by_p / (J.x * rate.d), rate.by_q / (J.y * rate.d), rate.by_r / (J.z * rate.d))
         xi4: tuple[Scalar, ...] = (psi - known.beta.derivative(0), psi_dot - known.beta.derivative(1))
     else:
         known = outputs(specification, (motion.X, motion.V, A), unit)
         drift = A * -model.c
         psi_drift = 0.0
         columns = (by_thrust, by_roll, by_pitch)
-        yaw_row = (0.0, 0.0, rate.a / rate.d, rate.c / rate.d)
+        yaw_row = (0.0, rate.by_p / rate.d, rate.by_q / rate.d, rate.by_r / rate.d)
         xi4 = (psi - known.beta.derivative(0),)
     n1, _, n3, n4 = level.degrees
     xi = (

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from companion.calculus.scalar import Scalar, cos, sin
 from companion.calculus.taylor import Gradient, Taylor
 from companion.calculus.vectors import E3, ZERO, Rotation, Vector
-from companion.law.flatness import body_acceleration, body_rates, torques
+from companion.frames import Heading
+from companion.law.flatness import HeadingRate, body_acceleration, body_rates, torques
 from companion.law.implicit import Position, Specification
 from companion.law.motion import Model, Motion
 
@@ -66,14 +67,15 @@ def reference(specification: Specification, model: Model, X: Vector) -> Referenc
     motion = [X, *(Vector(*(coordinate.derivative(k) for coordinate in series)) for k in (1, 2, 3, 4))]
     beta = specification.beta(series, tangent(specification, series))
     heading = [beta.derivative(k) if isinstance(beta, Taylor) else beta if k == 0 else 0.0 for k in (0, 1, 2)]
-    return _flat(model, motion, heading)
+    return _flat(model, motion, heading, specification.heading)
 
 
 def reference_over_arc(
-    path: Sequence[Vector], alpha: Sequence[Scalar], beta: Sequence[Scalar], model: Model
+    path: Sequence[Vector], alpha: Sequence[Scalar], beta: Sequence[Scalar], model: Model, kind: Heading
 ) -> Reference:
     """The point of the manifold where the ``path`` has these derivatives over arc length (the point and four more), the
-    speed ``alpha`` (three) and the yaw ``beta`` (two): for any path, implicit or not."""
+    speed ``alpha`` (three) and the yaw ``beta`` (two), which is a heading of this ``kind``: for any path, implicit or
+    not."""
     a, a1, a2, a3 = alpha
     # s' = alpha(s), differentiated
     s1 = a
@@ -89,26 +91,32 @@ def reference_over_arc(
         c4 * (s1 * s1 * s1 * s1) + c3 * (6.0 * s1 * s1 * s2) + c2 * (3.0 * s2 * s2 + 4.0 * s1 * s3) + c1 * s4,
     ]
     psi, b1, b2 = beta
-    return _flat(model, motion, [psi, b1 * s1, b2 * s1 * s1 + b1 * s2])
+    return _flat(model, motion, [psi, b1 * s1, b2 * s1 * s1 + b1 * s2], kind)
 
 
-def _flat(model: Model, derivatives: Sequence[Vector], heading: Sequence[Scalar]) -> Reference:
+def _flat(model: Model, derivatives: Sequence[Vector], heading: Sequence[Scalar], kind: Heading) -> Reference:
     """Everything else by flatness, from X, V, A, J, S and psi with two time derivatives."""
     X, V, A, J, S = derivatives
     psi, psi_dot, psi_ddot = heading
     force = (E3 * model.g - A - V * model.c) * model.m
     zeta = force.norm()
-    R = _rotation(force / zeta, psi)
+    R = _rotation(force / zeta, psi, kind)
+    rate = HeadingRate(R, kind)
     level = Motion(X, V, R, ZERO, zeta, 0.0, ZERO)
-    zeta_dot, w = body_rates(model, level, J, A, psi_dot, R.e3.z)
+    zeta_dot, w = body_rates(model, level, J, A, psi_dot, rate, rate.by_r)
     motion = Motion(X, V, R, w, zeta, zeta_dot, ZERO)
-    zeta_ddot, w_dot = body_acceleration(model, motion, S, J, psi_ddot, R.e3.z)
+    zeta_ddot, w_dot = body_acceleration(model, motion, S, J, psi_ddot, rate, rate.by_r)
     return Reference(X, V, A, J, S, R, w, zeta, zeta_dot, zeta_ddot, torques(model, w, w_dot), psi)
 
 
-def _rotation(down: Vector, psi: Scalar) -> Rotation:
-    """R whose third column is ``down`` and whose first points, seen from above, to the heading psi."""
+def _rotation(down: Vector, psi: Scalar, kind: Heading) -> Rotation:
+    """R whose third column is ``down`` and whose heading is psi."""
     north, east = cos(psi), sin(psi)
+    if kind is Heading.TWIST:
+        # the level axis of that heading, swung as the short way from upright to ``down`` swings everything
+        swung = (down.x * north + down.y * east) / (down.z + 1.0)
+        forward = Vector(north - down.x * swung, east - down.y * swung, -(down.x * north + down.y * east))
+        return Rotation(forward, down.cross(forward), down)
     forward = Vector(north, east, -(down.x * north + down.y * east) / down.z)
     forward = forward / forward.norm()
     return Rotation(forward, down.cross(forward), down)

@@ -26,15 +26,9 @@ JOIN_SPEED = 0.5
 """m and m/s: at a point and at rest."""
 
 
-def heading(state: VehicleState) -> float:
-    """rad, where the nose points."""
-    r = state.r_nb
-    return math.atan2(r[3], r[0])
-
-
-def here(state: VehicleState) -> At:
+def here(plan: Plan, state: VehicleState) -> At:
     """Where the vehicle is and points now."""
-    return At(state.p_n, heading(state))
+    return At(state.p_n, plan.mission.heading.of(state.r_nb))
 
 
 def on_path(plan: Plan, s: float) -> At:

@@ -219,7 +219,7 @@ def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | 
     if phase is Phase.HAND_BACK and plan.conduct.manner is not Manner.PILOT:
         return memory.aim
     if phase in (Phase.TAKE_OVER, Phase.HAND_BACK) or memory.aim is None:
-        return here(state)
+        return here(plan, state)
     return memory.aim
 
 

@@ -96,7 +96,7 @@ def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
         r_nb = rotation_matrix((w, x, y, z))
         speed = way * (mu[0] * v_n[0] + mu[1] * v_n[1] + mu[2] * v_n[2])
         alpha = plan.mission.alpha(s)
-        yaw = math.atan2(r_nb[3], r_nb[0])
+        yaw = plan.mission.heading.of(r_nb)
         collected.append(
             (
                 float(row["t_boot"]) - begin,

@@ -20,7 +20,7 @@ from companion.estimation.learned import FLOWN_MIN, Learned
 from companion.estimation.observer import Observed, Prior, first_observed, observed
 from companion.estimation.prediction import Ahead, Known, predicted
 from companion.estimation.response import Inner, Response, Sent, corrected, followed
-from companion.frames import Quaternion, Vec3, rotation_matrix, turned, upright_error, wrap
+from companion.frames import Heading, Quaternion, Vec3, rotation_matrix, turned, upright_error, wrap
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
@@ -99,6 +99,7 @@ class RateSteering:
     course: Course | None = None
     lean: float = math.inf
     lag: float = 0.06
+    heading: Heading = Heading.PROJECTED
 
     def begin(self, state: VehicleState) -> RateMemory:
         """Hovering, as far as anybody knows."""
@@ -205,8 +206,8 @@ class RateSteering:
         g = 0.5 * h
         p, q, s = command.turn
         # without the part that turns the heading error out
-        forward = r[0] * r[0] + r[3] * r[3]
-        s += self.yaw_gain * wrap(command.yaw - command.beta) * forward / max(r[8], 0.2)
+        per_turn = 1.0 if self.heading is Heading.TWIST else (r[0] * r[0] + r[3] * r[3]) / max(r[8], 0.2)
+        s += self.yaw_gain * wrap(command.yaw - command.beta) * per_turn
         later = flying._replace(
             p_n=(x + h * (vx + g * ax), y + h * (vy + g * ay), z + h * (vz + g * az)),
             v_n=(vx + h * ax, vy + h * ay, vz + h * az),
@@ -333,6 +334,7 @@ def rate_steering(
     yaw_gain: float,
     course: Course | None = None,
     lag: float | None = None,
+    heading: Heading = Heading.PROJECTED,
 ) -> RateSteering:
     """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
     ``lag``: s, of its rate loop as last found; None: as its file says."""
@@ -354,4 +356,5 @@ def rate_steering(
         course=course,
         lean=lean,
         lag=response.lag if lag is None else lag,
+        heading=heading,
     )
