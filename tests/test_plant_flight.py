@@ -12,6 +12,7 @@ from companion.world import Start, World
 from tests.plant_client import ACCEPTED, ARM, LAND, NAN, RETURN, TAKEOFF, Client
 
 VEHICLES = ("x500", "sih", "paper")
+CHANGE_SPEED, REPOSITION = 178, 192
 BREEZE = World(wind_n=(3.0, -2.0, 0.0))
 
 
@@ -88,6 +89,51 @@ def test_a_take_off_climbs_to_the_altitude_it_is_told() -> None:
     client.run(20.0)
     assert client.flown is Mode.HOLD
     assert client.height == pytest.approx(8.0, abs=0.03)
+
+
+def test_a_take_off_goes_over_the_place_it_is_told_and_never_down() -> None:
+    client = ready("x500")
+    north, east = 12.0, -5.0
+    there = client.bridge.autopilot.projection.reproject(north, east)
+    assert client.command(TAKEOFF, NAN, 0.0, 0.0, NAN, *there, 489.4 + 8.0) == ACCEPTED
+    client.command(ARM, 1)
+    client.run(20.0)
+    assert client.bridge.truth.p_n == pytest.approx((north, east, -8.0), abs=0.4)  # what a float tells of 47 deg
+    assert client.command(TAKEOFF, *(NAN,) * 7) == ACCEPTED  # from here, as PX4 does
+    client.run(0.1)
+    assert client.command(TAKEOFF, NAN, 0.0, 0.0, NAN, NAN, NAN, 489.4 + 12.0) == ACCEPTED  # no: still higher
+    client.run(14.0)
+    assert client.height == pytest.approx(12.0, abs=0.03)
+    assert client.command(TAKEOFF, NAN, 0.0, 0.0, NAN, NAN, NAN, 489.4 + 3.0) == ACCEPTED
+    client.run(3.0)
+    assert client.height == pytest.approx(12.0, abs=0.1)
+    assert client.flown is Mode.HOLD
+    assert client.texts()[-2:] == ["Using default takeoff altitude: 2.5 m\t", "Already higher than takeoff altitude\t"]
+
+
+def test_a_speed_asked_for_in_hold_counts_until_the_mode_changes() -> None:
+    client = Client("x500")
+    place_of = client.bridge.autopilot.projection.reproject
+
+    def fastest_to(north: float, speed: float) -> float:
+        fastest = 0.0
+        assert client.command(REPOSITION, speed, 1.0, 0.0, NAN, *place_of(north, 0.0), NAN) == ACCEPTED
+
+        def look() -> None:
+            nonlocal fastest
+            fastest = max(fastest, math.hypot(*client.bridge.truth.v_n[:2]))
+
+        client.run(14.0, look)
+        return fastest
+
+    assert client.command(CHANGE_SPEED, 1.0, 2.0, -1.0) == ACCEPTED
+    assert fastest_to(20.0, -1.0) == pytest.approx(2.0, rel=0.15)
+    assert fastest_to(-20.0, 4.0) == pytest.approx(4.0, rel=0.15)
+    assert fastest_to(20.0, NAN) == pytest.approx(2.0, rel=0.15)
+    client.mode(Mode.LAND)
+    client.run(0.1)
+    client.mode(Mode.HOLD)
+    assert fastest_to(-30.0, -1.0) == pytest.approx(5.0, rel=0.15)
 
 
 def test_hold_in_the_middle_of_a_take_off_stops_there() -> None:

@@ -16,7 +16,7 @@ from sim_bridge.autopilot.commander import MANUAL, READY_AFTER, Commander, Resul
 from sim_bridge.autopilot.contacts import Contacts
 from sim_bridge.autopilot.events import Events
 from sim_bridge.autopilot.fence_watch import FenceWatch
-from sim_bridge.autopilot.guidance import Guidance, Throttle
+from sim_bridge.autopilot.guidance import Guidance, TakeOff, Throttle
 from sim_bridge.autopilot.landing import LandingDetector
 from sim_bridge.autopilot.missions.flight import MissionFlight
 from sim_bridge.autopilot.missions.store import Store
@@ -227,6 +227,14 @@ class Autopilot:
         """Somebody asks for a mode. ``aloud``: a refusal is told in words."""
         return self.commander.request_mode(mode, self.t, aloud)
 
+    def take_off(self, wanted: TakeOff) -> Result:
+        """Somebody asks for a take-off; one that is under way already goes there instead."""
+        self.guidance.takeoff = wanted
+        result = self.request_mode(Mode.TAKEOFF)
+        if self._flown is Mode.TAKEOFF:
+            self._enter(Mode.TAKEOFF)
+        return result
+
     def go_to(
         self, level: tuple[float, float] | None, down: float | None, heading: float | None, speed: float | None
     ) -> None:
@@ -246,9 +254,13 @@ class Autopilot:
         """Change what is flown. A demand that came with the change to offboard stays; others end with offboard."""
         came_from_offboard = self._flown in (None, Mode.OFFBOARD)
         self._flown = mode
-        if mode is Mode.TAKEOFF and self.guidance.takeoff_to is None:
-            height = self.parameters["MIS_TAKEOFF_ALT"]
-            self.commander.say(Severity.INFO, f"Using default takeoff altitude: {height:.1f} m\t")
+        if mode is Mode.TAKEOFF:
+            top = self.guidance.takeoff.down
+            if top is None:
+                height = self.parameters["MIS_TAKEOFF_ALT"]
+                self.commander.say(Severity.INFO, f"Using default takeoff altitude: {height:.1f} m\t")
+            elif top > self.estimate.p_n[2]:
+                self.commander.say(Severity.CRITICAL, "Already higher than takeoff altitude\t")
         if mode is Mode.RETURN:
             height = self.guidance.return_height(self.estimate)
             above = round(height + self.home.altitude), round(height)

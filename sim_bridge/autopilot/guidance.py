@@ -42,6 +42,14 @@ class Throttle:
     of_hover: float
 
 
+@dataclass(frozen=True, slots=True)
+class TakeOff:
+    """Where a take-off goes: over a place (m north, east), to a height (m down); None: this one, PX4's default."""
+
+    level: tuple[float, float] | None = None
+    down: float | None = None
+
+
 def takeoff_throttle(seconds: float, climb: float, parameters: Parameters) -> Throttle:
     """The throttle ``seconds`` after it began to open for a take-off at ``climb`` m/s.
 
@@ -55,14 +63,15 @@ def takeoff_throttle(seconds: float, climb: float, parameters: Parameters) -> Th
 class Guidance:
     """The automatic modes of one vehicle. ``home_n``: where a return goes (m, NED).
 
-    ``takeoff_to``: the height (m down in NED) of the next take-off, where the command says one.
+    ``takeoff``: the next take-off. ``cruise_speed``: m/s, where somebody has asked for another than MPC_XY_CRUISE; it
+    counts until the mode changes.
     """
 
     def __init__(self, parameters: Parameters, mission: MissionFlight, home_n: Vec3 = (0.0, 0.0, 0.0)) -> None:
         self._parameters = parameters
         self._mission = mission
         self.home_n = home_n
-        self.takeoff_to: float | None = None
+        self.takeoff = TakeOff()
         self._mode = Mode.HOLD
         self._reference = Reference(home_n, (0.0, 0.0, 0.0))
         self._nose = Nose(parameters)
@@ -73,7 +82,8 @@ class Guidance:
         self.orbit: Orbit | None = None
         self.notes: list[str] = []  # for the operator, to be taken out by whoever shows them
         self.target: Target | None = None  # what was last asked of the position loop
-        self.cruise_speed: float | None = None  # m/s where somebody has asked for another than MPC_XY_CRUISE
+        self.cruise_speed: float | None = None
+        self._speed_there: float | None = None  # m/s, that of one way only
 
     @property
     def destination(self) -> Vec3 | None:
@@ -85,22 +95,24 @@ class Guidance:
         # on to the very height of the take-off, to the very end of the mission
         at_the_end = self._mode is Mode.MISSION and self._mission.finished and not self._landing
         goes_on = mode is Mode.HOLD and (self.takeoff_is_over(now) or at_the_end)
+        takes_off_still = mode is self._mode is Mode.TAKEOFF
         self._mode = mode
+        self.cruise_speed = self._speed_there = None
         if goes_on:
             return
         self._reference = Reference(now.p_n, now.v_n)
         self._nose.point(euler_from_rotation(rotation_matrix(now.q_nb))[0])
         self._heading = None
         self._place = None
-        self._opened_at = None
+        if not takes_off_still:
+            self._opened_at = None
         self._climbing, self._landing = mode is Mode.RETURN, mode in DOWN_AT_ONCE
         north, east, down = now.p_n
         if mode is Mode.TAKEOFF:
-            top = self.home_n[2] - self._parameters["MIS_TAKEOFF_ALT"] if self.takeoff_to is None else self.takeoff_to
-            self._place = (north, east, min(top, down))
-            self.takeoff_to = None
+            wanted, self.takeoff = self.takeoff, TakeOff()
+            top = down - self._parameters["MIS_TAKEOFF_ALT"] if wanted.down is None else wanted.down
+            self._place = (*(wanted.level or (north, east)), min(top, down))
         elif mode is Mode.MISSION:
-            self.cruise_speed = None
             self._mission.begin(now)
         elif mode is Mode.RETURN:
             self._place = (north, east, self.home_n[2] - self.return_height(now))
@@ -109,14 +121,14 @@ class Guidance:
         self, now: Estimate, level: tuple[float, float] | None, down: float | None, heading: float | None,
         speed: float | None,
     ) -> None:  # fmt: skip
-        """Of HOLD: hold at another place (m, NED), heading (rad), at a cruise speed (m/s); None: as it is."""
+        """Of HOLD: hold at another place (m, NED), heading (rad); None: as it is. ``speed``: m/s, for this way only."""
         before = self._place or self._reference.p_n
         if level is None and down is None and heading is None:
             self._place = None  # stop here
         else:
             self._place = (*(before[:2] if level is None else level), before[2] if down is None else down)
         self._heading = heading
-        self.cruise_speed = speed
+        self._speed_there = speed
 
     def jumped(self, now: Estimate) -> None:
         """The estimate has jumped: as in PX4 the reference goes on from the new one, back to where it was to be."""
@@ -207,7 +219,7 @@ class Guidance:
     def _pace(self) -> Pace:
         """The limits the parameters set, with the cruise speed somebody has asked for."""
         parameters = self._parameters
-        cruise = parameters["MPC_XY_CRUISE"] if self.cruise_speed is None else self.cruise_speed
+        cruise = self._speed_there or self.cruise_speed or parameters["MPC_XY_CRUISE"]
         return Pace(
             max(0.1, min(cruise, parameters["MPC_XY_VEL_MAX"])),
             max(0.1, parameters["MPC_Z_V_AUTO_UP"]),

@@ -8,6 +8,7 @@ from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import FORCE, Result, Severity
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, byte, whole
+from sim_bridge.autopilot.guidance import TakeOff
 from sim_bridge.autopilot.orbit import ordered
 
 RETURN_TO_LAUNCH, LAND, TAKEOFF, PRECISION_LAND, ORBIT = 20, 21, 22, 23, 34  # MAV_CMD_NAV_* and DO_ORBIT
@@ -77,9 +78,12 @@ def _arm_disarm(command: Command, autopilot: Autopilot, wire: Wire) -> Result | 
 
 
 def _take_off(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
-    altitude = command.parameters[6]
-    autopilot.guidance.takeoff_to = autopilot.home.altitude - altitude if math.isfinite(altitude) else None
-    return autopilot.request_mode(Mode.TAKEOFF)
+    """Over a place, to an altitude above the sea; what is not a number stays as it is, or is PX4's default."""
+    latitude, longitude, altitude = command.parameters[4:]
+    level = None
+    if math.isfinite(latitude) and math.isfinite(longitude):
+        level = autopilot.projection.project(latitude, longitude)
+    return autopilot.take_off(TakeOff(level, autopilot.home.altitude - altitude if math.isfinite(altitude) else None))
 
 
 def _land(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
