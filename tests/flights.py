@@ -18,6 +18,7 @@ from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Value, message
 from companion.mission import Origin
 from companion.plan import law_level
+from companion.profiles import ConstantSpeed
 from companion.record.folder import Recorder, Source
 from companion.vehicle import MotorInterface, OutputLevel, Setpoint
 from companion.world import Start, World
@@ -86,6 +87,7 @@ def flight(
     vehicle: str = "x500",
     level: OutputLevel = OutputLevel.MOTORS,
     duration: float | None = 8.0,
+    speed: float | None = None,
     world: World | None = None,
     from_ground: bool = False,
     seed: int = 0,
@@ -97,11 +99,15 @@ def flight(
     prepare: Callable[[Flown], None] | None = None,
     meddle: Callable[[Flown, float], None] | None = None,
 ) -> Flown:
-    """Fly in lockstep. ``prepare`` is called before the first step, ``meddle`` after every step with the time."""
+    """Fly in lockstep. ``prepare`` is called before the first step, ``meddle`` after every step with the time.
+    ``speed``: m/s all along, in the place of the mission's."""
     machine = load_vehicle(vehicle)
     if level is OutputLevel.MOTORS:
         machine = dataclasses.replace(machine, motors=MotorInterface.DIRECT)
-    read = flyable(load_mission(mission, law_level(level)), machine)
+    read = load_mission(mission, law_level(level))
+    if speed is not None:
+        read = dataclasses.replace(read, speed=ConstantSpeed(speed))
+    read = flyable(read, machine)
     bridge = Bridge(
         machine, world or World(), seed=seed, direct=level is OutputLevel.MOTORS,
         start=None if from_ground else start or start_of(read), landed=from_ground,

@@ -36,6 +36,8 @@ from tests.flights import GROUND_STATION, Flown, Operator, flight, once
 
 FLOOR = 5.0
 """m above the ground that no fault here may cost: the paths lie at 10 m and more."""
+SPEED = 3.0
+"""m/s, of every path here."""
 Meddling = Callable[[Flown], None]
 AT = 5.0
 """s: when it happens; the path has been flown for more than four seconds then."""
@@ -43,10 +45,12 @@ AT = 5.0
 
 @dataclass
 class Watched:
-    """A flight, how low the vehicle came, and how far from the path after the fault."""
+    """A flight, how low the vehicle came (m), how fast it was when it happened, and at most (m/s)."""
 
     flown: Flown
     lowest: float
+    speed: float
+    fastest: float
 
     @property
     def said(self) -> str:
@@ -80,15 +84,20 @@ def fly(
 ) -> Watched:
     """Fly into it, and let the vehicle fly on for ``after`` s once the companion has ended."""
     heights: list[float] = []
+    speed = fastest = 0.0
 
     def watch(flown: Flown, now: float) -> None:
+        nonlocal speed, fastest
+        fastest = max(fastest, math.hypot(*flown.between.truth.v_n))
+        if now <= AT:
+            speed = math.hypot(*flown.between.truth.v_n)
         heights.append(-flown.between.truth.p_n[2])
         if meddle is not None:
             meddle(flown, now)
 
     world = World(link=link or Link(), events=events)
     flown = flight(
-        mission, level=level, duration=duration, world=world, meddle=watch, prepare=prepare, conduct=conduct,
+        mission, level=level, duration=duration, speed=SPEED, world=world, meddle=watch, prepare=prepare, conduct=conduct,
         time_out=killed_at or 60.0,
     )  # fmt: skip
     bridge = flown.between.bridge
@@ -97,7 +106,7 @@ def fly(
         bridge.step()
         bridge.datagrams()
         heights.append(-bridge.truth.p_n[2])
-    return Watched(flown, min(heights))
+    return Watched(flown, min(heights), speed, fastest)
 
 
 def cut(seconds: float) -> Event:
@@ -114,16 +123,21 @@ def holding(flown: Flown) -> None:
 def test_the_companion_is_killed(mission: str, level: OutputLevel) -> None:
     """Nobody asks for anything any more: PX4 notices by itself, in time."""
     watched = fly(mission=mission, level=level, prepare=holding, killed_at=AT, after=4.0)
+    assert watched.speed > 0.95 * SPEED
     assert not watched.flown.conductor.done
     assert watched.mode is Mode.HOLD
     assert watched.lowest > FLOOR
     assert math.hypot(*watched.flown.between.truth.v_n) < 0.5
 
 
-@pytest.mark.parametrize("mission", ["circle_r5", "figure8"])
+FLOWN = [("circle_r5", OutputLevel.RATES), ("figure8", OutputLevel.RATES), ("figure8", OutputLevel.ATTITUDE)]
+
+
+@pytest.mark.parametrize(("mission", "level"), FLOWN)
 @pytest.mark.parametrize("seconds", [0.3, 1.0, 5.0])
-def test_the_link_is_cut(mission: str, seconds: float) -> None:
-    watched = fly(cut(seconds), mission=mission, prepare=holding)
+def test_the_link_is_cut(mission: str, level: OutputLevel, seconds: float) -> None:
+    watched = fly(cut(seconds), mission=mission, level=level, prepare=holding)
+    assert watched.speed > 0.95 * SPEED
     assert watched.mode is Mode.HOLD
     # asked for until it was so: PX4 will not go back into OFFBOARD by itself
     assert watched.flown.between.bridge.autopilot.commander.intent is Mode.HOLD
@@ -134,10 +148,16 @@ def test_the_link_is_cut(mission: str, seconds: float) -> None:
     assert max(sent) - min(sent) <= LEVEL_FOR + 0.01
 
 
-@pytest.mark.parametrize("mission", ["circle_r5", "figure8"])
-def test_a_third_of_everything_is_lost(mission: str) -> None:
-    watched = fly(mission=mission, link=Link(Way(loss=0.3), Way(loss=0.3)))
+@pytest.mark.parametrize(("mission", "level"), FLOWN)
+def test_a_third_of_everything_is_lost(mission: str, level: OutputLevel) -> None:
+    watched = fly(mission=mission, level=level, link=Link(Way(loss=0.3), Way(loss=0.3)))
     assert watched.through(), watched.flown.notes
+    assert 0.95 * SPEED < watched.fastest < 1.2 * SPEED
+    assert watched.mode is Mode.HOLD
+    assert watched.lowest > FLOOR
+    memory = watched.flown.conductor.memory
+    assert memory is not None
+    assert not memory.gaps  # at 250 states a second a third is lost without a gap
     assert max(error for now, error in watched.flown.path_errors if now > AT) < 0.15
 
 

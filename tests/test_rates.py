@@ -10,6 +10,8 @@ import pytest
 from bench.measured import course, machine, measured, world
 from bench.robustness import flown as robust
 from companion.daemon import preparing
+from companion.flight.conduct import Conduct, Finish
+from companion.flight.phases import Phase
 from companion.frames import multiply, quaternion_from_euler, rotation_matrix, tilt
 from companion.steering.encoding import AsAttitude, as_attitude
 from companion.steering.thrust import ThrustRange
@@ -125,19 +127,81 @@ def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, m
     assert done.estimates.thrust_scale == pytest.approx(factor, rel=0.06)
 
 
+@pytest.mark.parametrize("factor", [0.7, 1.4])
+@pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
+def test_a_wrong_hover_thrust_from_the_ground(
+    factor: float, level: OutputLevel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same after a take-off: neither the place where it settles nor the path is left by half a metre of height."""
+    usual = preparing.prepared
+
+    def wrong(*given):  # type: ignore[no-untyped-def]
+        return usual(*given[:5], given[5]._replace(hover_thrust=given[5].hover_thrust * factor), *given[6:])
+
+    monkeypatch.setattr(preparing, "prepared", wrong)
+    heights: dict[Phase, list[float]] = {}
+    known_at: list[float] = []
+
+    def watch(flown: Flown, now: float) -> None:
+        memory = flown.conductor.memory
+        if memory is None or memory.phase not in (Phase.SETTLE, Phase.FOLLOW):
+            return
+        heights.setdefault(memory.phase, []).append(-flown.between.truth.p_n[2])
+        if memory.phase is Phase.SETTLE:
+            known_at.append(now - memory.entered)
+
+    flown = flight(
+        level=level, from_ground=True, duration=5.0, time_out=60.0, meddle=watch, conduct=Conduct(finish=Finish.HOLD)
+    )
+    assert flown.reason is None
+    settled_at = heights[Phase.SETTLE]
+    assert max(abs(height - settled_at[0]) for height in settled_at) < 0.5
+    assert max(abs(height - 10.0) for height in heights[Phase.FOLLOW]) < 0.5
+    assert known_at[-1] < 10.0
+
+
 def test_thrust_that_drifts_in_flight_is_followed() -> None:
     """A fading battery: 15 % less thrust for the same command within 12 s, the height kept."""
     fading = world("ideal", battery=Battery(capacity=500.0, resistance=0.01, full_current=60.0))
     lowest: list[float] = []
+    sent: list[float] = []
 
     def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
         lowest.append(truth.p_n[2])
+        if conductor.last is not None and conductor.last.outcome.setpoint is not None:
+            sent.append(conductor.last.outcome.setpoint.thrust)
 
     done = measured(course("circle_r5", 3.0), machine("x500"), fading, duration=12.0, settle=5.0, watch=watch)
     assert done.reason is None
     assert max(abs(height + 10.0) for height in lowest) < 0.3
+    assert sent[-1] > sent[len(sent) // 12] / 0.85  # the same lift takes that much more
     assert done.true is not None
     assert done.true.path < 0.05
+
+
+@pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
+@pytest.mark.parametrize("away", [(5.0, 0.0), (15.0, 0.0), (0.0, 5.0), (10.0, 11.2)])
+def test_captured_from_beside_and_above(away: tuple[float, float], level: OutputLevel) -> None:
+    """From rest, so far out and so far up (m): within the tilt limit, and once there it stays within half a metre."""
+    tilts: list[float] = []
+    off: list[float] = []
+
+    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+        x, y, z = truth.p_n
+        tilts.append(tilt(rotation_matrix(truth.q_nb)))
+        off.append(math.hypot(math.hypot(x, y) - 5.0, z + 10.0))
+
+    start = Start.hover((0.0, 5.0 + away[0], -10.0 - away[1]))
+    done = measured(
+        course("circle_r5", 3.0), machine("x500"), world("ideal"), level, duration=4.0, settle=2.0, start=start,
+        watch=watch,
+    )  # fmt: skip
+    assert done.reason is None
+    assert off[0] == pytest.approx(math.hypot(*away), abs=0.01)
+    there = next(i for i, distance in enumerate(off) if distance < 0.1)
+    assert max(off[there:]) < 0.5
+    assert off[-1] < 0.1
+    assert max(tilts) < math.radians(45.0)
 
 
 @pytest.mark.parametrize("off", [5.0, 15.0])
