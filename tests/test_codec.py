@@ -134,6 +134,10 @@ def test_lost_frames_are_counted_by_sequence() -> None:
         if i not in (3, 4, 10):
             decoder.datagram(frame)
     assert decoder.counters.lost == 3
+    decoder.datagram(frames[4])  # late, and so not lost
+    assert decoder.counters.lost == 2
+    decoder.datagram(frames[-1])  # twice
+    assert decoder.counters.lost == 2
 
 
 def test_only_wanted_messages_are_unpacked() -> None:

@@ -9,10 +9,12 @@ from typing import Any, cast
 
 from companion import pilot
 from companion.daemon import realtime
-from companion.daemon.rehearsal import Rehearsal, urgent
+from companion.daemon.rehearsal import Rehearsal
 from companion.daemon.rhythm import MARGIN, WATCH_MAX, Rhythm
+from companion.daemon.urgency import parted
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
+from companion.mavlink.telemetry import WANTED
 from tests.flights import Flown, flight
 
 PERIOD = 0.004
@@ -29,31 +31,37 @@ def heard(rhythm: Rhythm, count: int, jitter: float, begin: float = 0.0, seed: i
 def test_it_is_ready_a_little_before_a_state_is_due() -> None:
     rhythm = Rhythm()
     due = heard(rhythm, 400, 5e-5)
-    at = rhythm.rehearse_at()
-    assert due - 1e-3 < at < due - MARGIN
-    rhythm.rehearsed(at, at + 2e-4)
-    assert rhythm.rehearse_at() == math.inf  # once a state
-    assert due < rhythm.watch_until <= at + 2e-4 + WATCH_MAX
+    now = rhythm.rehearse_at(due - 0.5 * PERIOD)
+    assert due - 1e-3 < now < due - 2.0 * MARGIN
+    times = 0
+    while (at := rhythm.rehearse_at(now)) < math.inf:
+        assert at == now  # one after the other
+        now += 2e-4
+        rhythm.rehearsed(at, now)
+        times += 1
+    assert times >= 2
+    assert due - 3.0 * MARGIN - 2e-4 < now < due - MARGIN  # until none fits before the state
+    assert due < rhythm.watch_until <= now + WATCH_MAX
     rhythm.arrived(due)
     assert rhythm.watch_until == -math.inf
-    assert rhythm.rehearse_at() < math.inf
+    assert rhythm.rehearse_at(due) < math.inf
 
 
 def test_without_a_rhythm_it_waits() -> None:
-    assert Rhythm().rehearse_at() == math.inf
+    assert Rhythm().rehearse_at(0.0) == math.inf
     rhythm = Rhythm()
-    heard(rhythm, 400, 1.9e-3)
-    assert rhythm.rehearse_at() == math.inf
+    due = heard(rhythm, 400, 1.9e-3)
+    assert rhythm.rehearse_at(due - 0.5 * PERIOD) == math.inf
     rhythm = Rhythm()
-    heard(rhythm, 2, 0.0)
-    assert rhythm.rehearse_at() == math.inf  # two are not enough to know
+    due = heard(rhythm, 2, 0.0)
+    assert rhythm.rehearse_at(due - 0.5 * PERIOD) == math.inf  # two are not enough to know
 
 
 def test_a_stall_is_no_part_of_the_rhythm() -> None:
     rhythm = Rhythm()
     due = heard(rhythm, 400, 5e-5) + 3.0
     due = heard(rhythm, 400, 5e-5, due)
-    assert due - 1e-3 < rhythm.rehearse_at() < due
+    assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
 
 
 def test_a_slow_machine_does_not_rehearse() -> None:
@@ -61,7 +69,7 @@ def test_a_slow_machine_does_not_rehearse() -> None:
     for _ in range(200):
         at = heard(rhythm, 1, 0.0, _ * PERIOD)
         rhythm.rehearsed(at, at + 2e-3)
-    assert rhythm.rehearse_at() == math.inf
+    assert rhythm.rehearse_at(at - 0.5 * PERIOD) == math.inf
 
 
 def test_states_that_came_during_rehearsals_make_them_earlier() -> None:
@@ -71,16 +79,20 @@ def test_states_that_came_during_rehearsals_make_them_earlier() -> None:
         if i % 2:
             late.was_late()
         late.arrived(i * PERIOD + (1e-4 if i % 2 else 0.0))
-    assert late.rehearse_at() < early.rehearse_at()
+    now = 299.5 * PERIOD
+    assert late.rehearse_at(now) < early.rehearse_at(now)
 
 
 def test_what_the_setpoint_needs_goes_first() -> None:
     encoder = Encoder(1, 1)
-    state, other = encoder.message(message("ODOMETRY")), encoder.message(message("VFR_HUD"))
-    assert urgent([other, state, other, other]) == 2
-    assert urgent([state, other, state]) == 3
-    assert urgent([other, other]) == 2
-    assert urgent([b"", b"\xfd"]) == 2
+    state, mode, unread = (encoder.message(message(name)) for name in ("ODOMETRY", "CURRENT_MODE", "VFR_HUD"))
+    assert parted([mode, state, mode, unread], WANTED) == ([mode, state], [mode, unread])
+    assert parted([state, mode, state], WANTED) == ([state, mode, state], [])
+    assert parted([mode, unread], WANTED) == ([mode, unread], [])  # no state, no hurry
+    assert parted([unread, mode, state], WANTED) == ([mode, state], [unread])
+    assert parted([unread, mode, state], None) == ([unread, mode, state], [])
+    two = unread + mode  # what else may be in there is not known from the first bytes
+    assert parted([two, b"", b"\xfd", state], WANTED) == ([two, b"", b"\xfd", state], [])
 
 
 def test_a_rehearsal_leaves_no_trace() -> None:

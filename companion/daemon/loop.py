@@ -17,10 +17,11 @@ from companion.daemon.conductor import Conductor
 from companion.daemon.port import Port
 from companion.daemon.progress import Watch
 from companion.daemon.realtime import HELPER_PRIORITY, at_priority, punctual
-from companion.daemon.rehearsal import Rehearsal, urgent
+from companion.daemon.rehearsal import Rehearsal
 from companion.daemon.rhythm import Rhythm
 from companion.daemon.signals import ending_signals
 from companion.daemon.systemd import Service
+from companion.daemon.urgency import parted
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
 
@@ -79,15 +80,15 @@ def _fly(conductor: Conductor, port: Port, service: Service, wait_for_vehicle: f
         batch = _next(conductor, port, rhythm, rehearsal)
         arrived = clock()
         if batch:
-            first = len(batch) if port.stream else urgent(batch)
-            conductor.receive(batch[:first], arrived)
+            urgent, later = (batch, []) if port.stream else parted(batch, conductor.decoder.wanted)
+            conductor.receive(urgent, arrived)
             _send(conductor, port, arrived)
             if conductor.states != states:
                 states = conductor.states
                 rhythm.arrived(arrived)
                 gc.collect(0)  # now, and not in the middle of a tick
-            if first < len(batch):
-                conductor.receive(batch[first:], arrived)
+            if later:
+                conductor.receive(later, arrived)
                 _send(conductor, port, arrived)
         now = clock()
         if now >= conductor.next_timer():
@@ -110,18 +111,19 @@ def _next(conductor: Conductor, port: Port, rhythm: Rhythm, rehearsal: Rehearsal
     """What arrives next; nothing, where something else is due first."""
     now = clock()
     timer = min(conductor.next_timer(), now + IDLE_MAX)
-    early = rhythm.rehearse_at()
-    if now <= early < timer:
+    while (early := rhythm.rehearse_at(now)) < timer:
         batch = port.receive(early - now)
         if batch:
             return batch
         begun = clock()
-        if rehearsal.fly(conductor):
-            rhythm.rehearsed(begun, clock())
-            batch = port.receive(0.0)
-            if batch:
-                rhythm.was_late()
-                return batch
+        if not rehearsal.fly(conductor):
+            break
+        now = clock()
+        rhythm.rehearsed(begun, now)
+        batch = port.receive(0.0)
+        if batch:
+            rhythm.was_late()
+            return batch
     while clock() < rhythm.watch_until:
         batch = port.receive(0.0)
         if batch:

@@ -2,23 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from companion import pilot
 from companion.daemon.conductor import Conductor
 from companion.mavlink import setpoints
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.telemetry import ODOMETRY, WANTED, Telemetry
-
-STATE_ID = ODOMETRY.id.to_bytes(3, "little")
-
-
-def urgent(batch: Sequence[bytes]) -> int:
-    """How many datagrams of a batch must be taken in before the newest state in it can be acted on."""
-    for i in range(len(batch), 0, -1):
-        if batch[i - 1][7:10] == STATE_ID:
-            return i
-    return len(batch)
 
 
 class Rehearsal:

@@ -1,8 +1,9 @@
 """The rhythm in which states come: when the next one is due, and when to be ready for it.
 
 A state that arrives at a processor which has slept for 4 ms finds its caches full of other work: the same tick takes
-twice as long as right after another one. So the last tick is flown once more, for nothing, just before the next state
-is due; and for the fraction of a millisecond that is left the link is asked again and again instead of slept on.
+two to three times as long as right after another one. So the last tick is flown again, for nothing, a few times just
+before the next state is due; and for the fraction of a millisecond that is left the link is asked again and again
+instead of slept on.
 """
 
 from __future__ import annotations
@@ -12,11 +13,13 @@ import math
 PHASE_GAIN, PERIOD_GAIN, MEAN_GAIN = 0.2, 0.02, 0.05
 """What one arrival changes of the due time, of the period, of the other means."""
 MARGIN = 8e-5
-"""s that a rehearsal ends before a state is due, beside the usual deviation."""
+"""s that the last rehearsal ends before a state is due, beside the usual deviation."""
 WATCH_MAX = 4e-4
 """s of asking the link without sleeping, at most: a tenth of a core at 250 Hz."""
-REHEARSAL_SHARE_MAX = 0.15
-"""A machine on which a rehearsal takes more of the period than this has no time for it."""
+REHEARSALS = 3
+"""The first finds everything cold; the third is as quick as it gets."""
+REHEARSAL_SHARE_MAX = 0.2
+"""Of the period, for all rehearsals. A machine on which not even one fits has no time for them."""
 REGULAR = 0.08
 """A rhythm is one while states keep to it within this share of the period, in the mean."""
 PERIOD_MAX = 0.1
@@ -31,14 +34,13 @@ class Rhythm:
         self._period = math.nan
         self._deviation = math.inf
         self._rehearsal = 2e-4
-        self._rehearsed = True
         self._late = False
         self.watch_until = -math.inf
         """Until when to ask the link without sleeping."""
 
     def arrived(self, now: float) -> None:
         """A state came."""
-        late, self._late, self._rehearsed = self._late, False, False
+        late, self._late = self._late, False
         self.watch_until = -math.inf
         off = -self._rehearsal if late else now - self._due
         if not abs(off) < 0.5 * self._period:  # the first ones, and after a stall
@@ -52,19 +54,21 @@ class Rhythm:
         self._period += PERIOD_GAIN * off
         self._due += self._period + PHASE_GAIN * off
 
-    def rehearse_at(self) -> float:
-        """When to rehearse; inf for not at all."""
+    def rehearse_at(self, now: float) -> float:
+        """When to rehearse next, ``now`` at the earliest; inf for not any more before the next state."""
+        most = REHEARSAL_SHARE_MAX * self._period
         regular = self._deviation < REGULAR * self._period
-        if self._rehearsed or not regular or self._rehearsal > REHEARSAL_SHARE_MAX * self._period:
+        if not regular or self._rehearsal > most:
             return math.inf
-        return self._due - self._deviation - self._rehearsal - MARGIN
+        end = self._due - self._deviation - MARGIN
+        at = max(now, end - min(REHEARSALS * self._rehearsal, most))
+        return at if at + self._rehearsal <= end else math.inf
 
     def rehearsed(self, begun: float, ended: float) -> None:
         """A rehearsal is over."""
-        self._rehearsed = True
         self._rehearsal += MEAN_GAIN * (ended - begun - self._rehearsal)
         self.watch_until = min(self._due + 2.0 * self._deviation, ended + WATCH_MAX)
 
     def was_late(self) -> None:
-        """Something was there already when the rehearsal ended: it came while that went on."""
+        """Something was there already when a rehearsal ended: it came while that went on."""
         self._late = True

@@ -21,6 +21,9 @@ MAGIC_V1 = 0xFE
 SIGNED = 0x01
 SIGNATURE_SIZE = 13
 
+LATE_FROM = 192
+"""A sequence number so many ahead of the last one, of 256, is taken for one that is behind it."""
+
 _START = re.compile(b"[\xfd\xfe]")
 
 
@@ -156,10 +159,15 @@ class Decoder:
         return [Frame(fmt, system, component, fmt.unpack(payload), raw)]
 
     def _follow(self, sender: int, sequence: int) -> None:
-        """Count what is missing between a sender's last frame and this one."""
+        """Count what is missing between a sender's last frame and this one; one that comes late was not lost."""
         last = self._sequence.get(sender)
         if last is not None:
-            self.counters.lost += (sequence - last - 1) & 0xFF
+            missing = (sequence - last - 1) & 0xFF
+            if missing >= LATE_FROM:
+                if missing != 0xFF and self.counters.lost:  # 255: the same once more
+                    self.counters.lost -= 1
+                return
+            self.counters.lost += missing
         self._sequence[sender] = sequence
 
 

@@ -49,8 +49,12 @@ def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Mem
 
 
 def first(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, First | None]:
-    """What arrived is taken in; and the setpoint for it, where it may go out before the rest of the tick."""
-    memory = _noticed(plan, memory, seen, now)
+    """What arrived is taken in; and the setpoint for it, where it may go out before the rest of the tick.
+
+    The nearest point of the path is then that of the last state: all that hangs on it here is the factor on the speed
+    and where the law begins to look for the nearest point of its own.
+    """
+    memory = _noticed(memory, seen, now)
     if not _calm(memory, seen):
         return memory, None
     try:
@@ -82,6 +86,8 @@ def _calm(memory: Memory, seen: Observation) -> bool:
 
 def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
     """The rest of the tick, after ``first`` gave ``memory`` and ``early``."""
+    if seen.state is not None and seen.state is memory.state:
+        memory = _progressed(plan, memory, seen.state)
     since, verdict = safety.watched(memory.since, sight(plan, memory, seen, now), plan.conduct.limits, now)
     if since is not memory.since:
         memory = memory._replace(since=since)
@@ -116,7 +122,7 @@ def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First
     return memory, Outcome(setpoint, _request(plan, memory, seen, now), tuple(notes), steered, ramp)
 
 
-def _noticed(plan: Plan, memory: Memory, seen: Observation, now: float) -> Memory:
+def _noticed(memory: Memory, seen: Observation, now: float) -> Memory:
     """The memory with what arrived taken in. A state older than the last one is not a state."""
     answer = memory.answer
     if seen.answer is not None and seen.answer.request is PHASES[memory.phase].request:
@@ -127,7 +133,7 @@ def _noticed(plan: Plan, memory: Memory, seen: Observation, now: float) -> Memor
         memory = memory._replace(answer=answer, mode_seen=mode_seen, jump=0.0, clock_jump=0.0)
         if new is None or old is not None:
             return memory
-        return memory._replace(state=new, state_at=now, progress=_progressed(plan, memory, new, 0.0))
+        return memory._replace(state=new, state_at=now)
     passed = new.t_boot - old.t_boot
     jump = 0.0
     if new.resets != old.resets:
@@ -142,26 +148,25 @@ def _noticed(plan: Plan, memory: Memory, seen: Observation, now: float) -> Memor
     gaps = memory.gaps
     if now - memory.state_at > safety.GAP:
         gaps = (*(ended for ended in gaps if now - ended < safety.GAPS_WITHIN), now)
-    progress = _progressed(plan, memory, new, jump)
-    reached = memory.reached or (memory.phase is Phase.FOLLOW and progress.path_error < REACHED_WITHIN)
     return memory._replace(
-        answer=answer, mode_seen=mode_seen, state=new, state_at=now, progress=progress, jump=jump,
-        clock_jump=clock_jump, same_place=same_place, same_attitude=same_attitude, gaps=gaps, reached=reached,
+        answer=answer, mode_seen=mode_seen, state=new, state_at=now, jump=jump, clock_jump=clock_jump,
+        same_place=same_place, same_attitude=same_attitude, gaps=gaps,
     )  # fmt: skip
 
 
-def _progressed(plan: Plan, memory: Memory, state: VehicleState, jump: float) -> Progress:
-    known = memory.progress
-    if known is None or jump > SEARCH_ANEW:
+def _progressed(plan: Plan, memory: Memory, state: VehicleState) -> Memory:
+    """The memory with where a new state is along the path."""
+    known, moved = memory.progress, 0.0
+    if known is None or memory.jump > SEARCH_ANEW:
         s, distance = plan.table.locate(state.p_n)
-        return Progress(s, 0.0 if known is None else known.travelled, distance)
-    # a step no longer than the vehicle can have come: a path that crosses itself keeps its branch
-    reach = 1.0 + 0.2 * math.hypot(*state.v_n)
-    s, distance = plan.table.nearest(state.p_n, known.s, reach)
-    moved = 0.0
-    if memory.phase is Phase.FOLLOW:
-        moved = plan.direction * memory.leg * plan.table.difference(s, known.s)
-    return Progress(s, known.travelled + moved, distance)
+    else:
+        # a step no longer than the vehicle can have come: a path that crosses itself keeps its branch
+        s, distance = plan.table.nearest(state.p_n, known.s, 1.0 + 0.2 * math.hypot(*state.v_n))
+        if memory.phase is Phase.FOLLOW:
+            moved = plan.direction * memory.leg * plan.table.difference(s, known.s)
+    progress = Progress(s, moved if known is None else known.travelled + moved, distance)
+    reached = memory.reached or (memory.phase is Phase.FOLLOW and distance < REACHED_WITHIN)
+    return memory._replace(progress=progress, reached=reached)
 
 
 def _decided(
