@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from itertools import pairwise
 
@@ -70,6 +71,15 @@ def test_a_steep_lean_slows_as_a_weak_thrust_does() -> None:
     assert max(inside) <= 1.03 * math.sqrt(3.0 * G * math.tan(math.radians(30.0)))
 
 
+def test_a_short_peak_may_take_what_a_long_bend_may_not() -> None:
+    long = bend()
+    short = dataclasses.replace(long, places=tuple(place._replace(lasting=0.8) for place in long.places))
+    barely = CALM._replace(lift=math.hypot(6.0**2 / 3.0, G) * 1.01)
+    assert short.allowed(18.0, 1.0, barely) == math.inf
+    assert long.allowed(18.0, 1.0, barely) < math.inf
+    assert short.allowed(18.0, 1.0, barely._replace(lift=0.98 * barely.lift)) < math.inf
+
+
 def test_wind_counts() -> None:
     against = CALM._replace(disturbance_n=(0.0, -6.0, 0.0))  # pushed out of the bend, which turns east
     assert bend().allowed(20.5, 1.0, against) < bend().allowed(20.5, 1.0, CALM)
@@ -97,3 +107,12 @@ def test_the_course_is_the_missions() -> None:
     for place in course.places:
         assert math.hypot(*place.curvature) == pytest.approx(0.2, abs=1e-3)
         assert place.speed == pytest.approx(3.0)
+        assert place.lasting == pytest.approx(1.0)
+
+
+def test_a_figure_eights_sharpest_places_do_not_last() -> None:
+    mission = load_mission("figure8", Level.RATES)
+    places = course_of(mission.table, lambda s: 4.0, True, 1.0).places
+    sharpest = max(places, key=lambda place: math.hypot(*place.curvature))
+    assert 0.5 < sharpest.lasting < 0.9
+    assert all(place.lasting <= 1.0 for place in places)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import random
 
@@ -16,7 +17,7 @@ from companion.frames import multiply, quaternion_from_euler, rotation_matrix, t
 from companion.steering.encoding import AsAttitude, as_attitude
 from companion.steering.thrust import ThrustRange
 from companion.vehicle import OutputLevel, RateSetpoint, Tuning
-from companion.world import Battery, Link, Start, Way
+from companion.world import Battery, Deviations, Link, Start, Way
 from companion.world.events import Hold, When
 from sim_bridge.control.attitude import GAINS, rates_for
 from tests.flights import Flown, flight
@@ -87,6 +88,20 @@ def test_held_on_the_path_it_waits_and_carries_on(speed: float, off: float) -> N
     assert done.reason is None
     assert most[0] < off
     assert 0.8 * speed < most[1] < 1.3 * speed
+
+
+def test_at_the_end_of_the_thrust_the_path_comes_first_then_the_speed_then_the_heading() -> None:
+    """A figure-eight that asks for 16.2 m/s^2 of the 15.5 there are, and for 1 N m of yaw torque of at most 0.27."""
+    told = machine("x500", drag=0.0, state_rate=100.0, link_delay=0.02)
+    assert told.limits is not None
+    told = dataclasses.replace(told, limits=dataclasses.replace(told.limits, tilt=math.radians(65.0)))
+    heavy = world("ideal", link=Link(Way(0.01), Way(0.01)), truth=Deviations(mass=1.1 * told.mass, drag=0.2))
+    done = measured(course("figure8", 4.0), told, heavy, duration=25.0, settle=10.0)
+    assert done.reason is None
+    assert done.true is not None
+    assert done.true.path < 0.025
+    assert done.true.speed < 0.03 * 4.0
+    assert done.true.yaw < math.radians(16.0)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -2,14 +2,15 @@
 
 What the path asks at a speed v is a thrust over mass F = k v^2 + c v T - d - g e3 (k its curvature, T its tangent; drag
 and disturbance as they are known now). Ahead of every place where F would be more than the vehicle has, or lean further
-than it may, the speed is brought down in time. What is flown then is slower than the mission wants; the mission's speed
+than it may, the speed is brought down in time. A short peak may ask for all the thrust there is, what lasts only for
+less: the rest is for turning and for errors. What is flown then is slower than the mission wants; the mission's speed
 is what the flight is measured against all the same.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -28,8 +29,8 @@ SMOOTH = 0.15
 """s over which the change of the speed sets in."""
 SLOWEST = 0.25
 """The least share of the mission's speed."""
-SHARE = 0.93
-"""Of the largest thrust: the rest is for turning and for errors."""
+SHARE, LASTING = 0.96, 0.5
+"""Of the largest thrust, for what lasts so long (s)."""
 
 
 class Pace(NamedTuple):
@@ -51,11 +52,13 @@ class Means(NamedTuple):
 
 
 class Place(NamedTuple):
-    """A place of the path: unit tangent, curvature (1/m), the mission's speed (m/s, without a sign)."""
+    """A place of the path: unit tangent, curvature (1/m), the mission's speed (m/s, without a sign). ``lasting``: the
+    share of its curvature that the path has in the mean of LASTING s around it; 1 where it has as much or more."""
 
     tangent: Vec3
     curvature: Vec3
     speed: float
+    lasting: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ class Course:
         f = abs(factor)
         push = across * f * f + means.drag * fastest * f + math.hypot(*means.disturbance_n)
         upright = means.gravity - push
-        return upright > 0.0 and push <= means.lean * upright and means.gravity + push <= means.lift
+        return upright > 0.0 and push <= means.lean * upright and means.gravity + push <= SHARE * means.lift
 
     def allowed(self, s: float, factor: float, means: Means) -> float:
         """The largest speed (m/s) at arc length ``s`` from which every place ahead can still be met slowly enough, when
@@ -113,11 +116,17 @@ class Course:
 
 
 def _can(place: Place, v: float, way: float, means: Means) -> bool:
+    lasting = SHARE * means.lift
+    return _bears(place, v, way, means, 1.0, means.lift) and _bears(place, v, way, means, place.lasting, lasting)
+
+
+def _bears(place: Place, v: float, way: float, means: Means, bend: float, lift: float) -> bool:
+    """Whether ``bend`` of a place's curvature takes no more than ``lift`` (m/s^2), nor leans too far."""
     (kx, ky, kz), (tx, ty, tz), (dx, dy, dz) = place.curvature, place.tangent, means.disturbance_n
-    v2, cv = v * v, means.drag * v * way
+    v2, cv = bend * v * v, means.drag * v * way
     x, y, z = kx * v2 + tx * cv - dx, ky * v2 + ty * cv - dy, kz * v2 + tz * cv - dz - means.gravity
     level = x * x + y * y
-    return z < 0.0 and level <= (means.lean * z) ** 2 and level + z * z <= means.lift * means.lift
+    return z < 0.0 and level <= (means.lean * z) ** 2 and level + z * z <= lift * lift
 
 
 def _fastest(place: Place, v: float, way: float, means: Means) -> float:
@@ -167,4 +176,15 @@ def course_of(table: ArcTable, speed: Callable[[float], float], closed: bool, di
     for i in range(count if closed else count + 1):
         _, tangent, curvature = table.at(i * spacing)
         places.append(Place(tangent, curvature, abs(speed(i * spacing))))
+    bends = [math.hypot(*place.curvature) for place in places]
+    lasting = [_lasting(bends, i, place.speed, spacing, closed) for i, place in enumerate(places)]
+    places = [place._replace(lasting=share) for place, share in zip(places, lasting, strict=True)]
     return Course(tuple(places), spacing, closed, direction)
+
+
+def _lasting(bends: Sequence[float], i: int, speed: float, spacing: float, closed: bool) -> float:
+    """See Place."""
+    reach = round(0.5 * LASTING * speed / spacing)
+    around = range(i - reach, i + reach + 1)
+    near = [bends[k % len(bends)] if closed else bends[min(max(k, 0), len(bends) - 1)] for k in around]
+    return min(1.0, sum(near) / (len(near) * bends[i])) if bends[i] > 0.0 else 1.0

@@ -19,12 +19,12 @@ from companion.estimation.lag import Lag, begun_anew, first_lag, followed_lag
 from companion.estimation.learned import FLOWN_MIN, Learned
 from companion.estimation.observer import Observed, Prior, first_observed, observed
 from companion.estimation.prediction import Ahead, Known, predicted
-from companion.estimation.response import Inner, Response, Sent, corrected, followed
+from companion.estimation.response import YAW_TORQUE_LAG, Inner, Response, Sent, corrected, followed
 from companion.frames import Heading, Quaternion, Vec3, rotation_matrix, turned, upright_error, wrap
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
-from companion.steering.pace import SHARE, Course, Means, Pace, paced, slowed
+from companion.steering.pace import Course, Means, Pace, paced, slowed
 from companion.steering.steering import Aim, Along, Estimates, Steered
 from companion.steering.thrust import ThrustRange, thrust_range
 from companion.vehicle import Setpoint, Vehicle, VehicleState
@@ -42,8 +42,9 @@ rad/s. A vehicle whose other rate loops are quicker than PX4's usual ones is not
 YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.07, 0.3, 0.3
 """Of the square of the yaw gain (a quarter would put both poles of the heading at half the gain); rad/s; rad of error
 within which it is summed."""
-YAW_SHARE, YAW_ROOM_MIN = 0.2, 0.05
-"""Of the motors' range that 1 rad/s of yaw rate error takes (MC_YAWRATE_P); rad/s that are always left to yaw."""
+YAW_SHARE, TILT_SHARE, YAW_ROOM_MIN = 0.2, 0.06, 0.05
+"""Of the motors' range that 1 rad/s of yaw rate error takes (MC_YAWRATE_P), and one of roll or pitch (a large one lasts
+less long than yaw's torque is filtered); rad/s that are always left to yaw."""
 SLOPE_OVER = 0.05
 """s over which the slope of the yaw rate is taken."""
 STRAINED = 0.9
@@ -118,9 +119,7 @@ class RateSteering:
         most_lift = THRUST_MAX * belief.kappa * vehicle.gravity / self.hover_thrust
         pace = Pace()
         if isinstance(aim, Along) and self.course is not None:
-            means = Means(
-                most_lift * (SHARE / THRUST_MAX), self.lean, belief.drag, belief.disturbance_n, vehicle.gravity
-            )
+            means = Means(most_lift, self.lean, belief.drag, belief.disturbance_n, vehicle.gravity)
             pace = paced(memory.pace, self.course, aim.s, aim.ramp, means, dt)
             aim = Along(aim.s, slowed(aim.ramp, pace))
         acts_after = self._delay(memory.delay, link_delay, dt)
@@ -151,8 +150,10 @@ class RateSteering:
         slope_r = self._yaw_slope(flying, command, aim) if held_slope is None else held_slope
         lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag)
         r += (lead - lag) * slope_r - memory.inner.yaw_trim - yaw_sum
-        # yaw is turned by torque that the thrust may need: near the top it waits
-        room = max(YAW_ROOM_MIN, (THRUST_MAX - zeta / (vehicle.mass * most_lift) * THRUST_MAX) / YAW_SHARE)
+        # yaw is turned by torque that thrust and tilting may need when it comes: near the top it waits
+        share = (zeta + slope * YAW_TORQUE_LAG) / (vehicle.mass * most_lift) * THRUST_MAX
+        share += TILT_SHARE * (abs(p - there.w_b[0]) + abs(q - there.w_b[1]))
+        room = max(YAW_ROOM_MIN, (THRUST_MAX - share) / YAW_SHARE)
         turning = there.w_b[2] - memory.inner.yaw_trim
         r = min(max(r, turning - room), turning + room)
         rates, clipped = self._clipped((0.0, 0.0, 0.0) if stuck else (p, q, r))
