@@ -201,6 +201,7 @@ class Tuning(NamedTuple):
     """What the autopilot's own parameters say that matters to the law and to the guards; None where it did not say.
 
     ``roll_p``, ``pitch_p``, ``yaw_p``: 1/s, attitude error to body rate (MC_ROLL_P, MC_PITCH_P, MC_YAW_P).
+    ``smoothing``: rad/s, of the model that smooths the attitude it is sent (MC_REF_W_N; before 1.18 there is none).
     ``hover_thrust``: normalised (MPC_THR_HOVER). ``thrust_curve``: 0 linear, 1 quadratic in the motor command
     (THR_MDL_FAC). ``offboard_loss_time``: s until the loss of setpoints is acted on (COM_OF_LOSS_T), and
     ``offboard_loss_action`` how (COM_OBL_RC_ACT). ``fail_roll``, ``fail_pitch``: rad at which its failure detector ends
@@ -211,6 +212,7 @@ class Tuning(NamedTuple):
     roll_p: float | None = None
     pitch_p: float | None = None
     yaw_p: float | None = None
+    smoothing: float | None = None
     hover_thrust: float | None = None
     thrust_curve: float | None = None
     offboard_loss_time: float | None = None

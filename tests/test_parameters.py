@@ -49,7 +49,7 @@ def test_what_matters_is_read_in_one_go() -> None:
     assert pair.ours.settled
     tuning = pair.ours.tuning()
     assert (tuning.roll_p, tuning.offboard_loss_time, tuning.offboard_loss_action) == (4.0, 1.0, 0)
-    assert tuning.yaw_p == pytest.approx(2.8)
+    assert (tuning.yaw_p, tuning.smoothing) == pytest.approx((2.8, 50.0))
     assert tuning.fail_roll == pytest.approx(math.radians(60))
     assert None not in tuning
 

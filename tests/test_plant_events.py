@@ -113,7 +113,7 @@ def test_a_reset_moves_the_estimate_and_counts() -> None:
 
 def test_a_vehicle_in_hold_flies_back_gently_after_a_reset() -> None:
     """As PX4 does: the reference jumps along, so that there is no step for the position loop to take."""
-    client = hovering(EstimatorReset(When(1.0), (5.0, 0.0, 1.0), yaw=math.radians(40.0)))
+    client = hovering(EstimatorReset(When(1.0), (5.0, 0.0, 1.0), yaw=math.radians(30.0)))
     most = 0.0
     for _ in range(50):
         client.run(0.3)

@@ -11,15 +11,18 @@ import pytest
 from bench.measured import course, machine, measured, world
 from bench.robustness import flown as robust
 from companion.daemon import preparing
+from companion.daemon.conductor import Conductor
 from companion.flight.conduct import Conduct, Finish
 from companion.flight.phases import Phase
-from companion.frames import multiply, quaternion_from_euler, rotation_matrix, tilt
+from companion.frames import Vec3, multiply, quaternion_from_euler, rotation_matrix, tilt
 from companion.steering.encoding import AsAttitude, as_attitude
 from companion.steering.thrust import ThrustRange
 from companion.vehicle import OutputLevel, RateSetpoint, Tuning
 from companion.world import Battery, Deviations, Link, Start, Way
 from companion.world.events import Hold, When
+from sim_bridge.bridge import Bridge
 from sim_bridge.control.attitude import GAINS, rates_for
+from sim_bridge.plant import Truth
 from tests.flights import Flown, flight
 
 
@@ -32,6 +35,33 @@ def test_an_attitude_is_what_px4_turns_back_into_the_rates() -> None:
         rates = (rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-1.5, 1.5))
         asked = encoding.setpoint(rates, 0.5, q_nb)
         assert rates_for(q_nb, asked.q_nb) == pytest.approx(rates, abs=1e-9)
+
+
+def test_in_a_fast_turn_px4_flies_the_rates_that_were_meant() -> None:
+    """Its loop smooths the attitude it is sent: what it then asks of its rate loop is what steering meant, a moment
+    ago, neither more nor less."""
+    bridges: list[Bridge] = []
+    meant: list[Vec3] = []
+    asked: list[tuple[float | None, ...]] = []
+
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
+        memory = conductor.memory
+        if memory is not None and memory.steering is not None and truth.t_boot > 10.0:
+            meant.append(memory.steering.sent[-1].rates_b)
+            asked.append(bridges[0].autopilot.cascade.rates_wanted)
+
+    done = measured(
+        course("circle_r5", 6.0, OutputLevel.ATTITUDE), machine("sih"), world("ideal"), OutputLevel.ATTITUDE,
+        duration=12.0, settle=8.0, prepare=lambda _, bridge: bridges.append(bridge), watch=watch,
+    )  # fmt: skip
+    assert done.reason is None
+    assert done.true is not None
+    assert done.true.speed < 0.03 * 6.0
+    late = 10  # steps of 4 ms, 2 / MC_REF_W_N
+    for axis in range(3):
+        pairs = [(a[axis], b[axis]) for a, b in zip(meant, asked[late:], strict=False)]
+        gain = sum(a * b for a, b in pairs if b is not None) / sum(a * a for a, _ in pairs)
+        assert gain == pytest.approx(1.0, abs=0.04)
 
 
 def test_absurd_rates_stay_an_attitude() -> None:

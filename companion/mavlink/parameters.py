@@ -33,6 +33,7 @@ TUNING: dict[str, str] = {
     "roll_p": "MC_ROLL_P",
     "pitch_p": "MC_PITCH_P",
     "yaw_p": "MC_YAW_P",
+    "smoothing": "MC_REF_W_N",
     "hover_thrust": "MPC_THR_HOVER",
     "thrust_curve": "THR_MDL_FAC",
     "offboard_loss_time": "COM_OF_LOSS_T",

@@ -22,6 +22,10 @@ class Encoding(Protocol):
     def needs_attitude(self) -> bool:
         """Whether the attitude in which the command will act has a say."""
 
+    @property
+    def smoothing(self) -> float:
+        """s that the autopilot smooths what is sent before its loops follow it."""
+
     def setpoint(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> Setpoint:
         """The setpoint that asks for these rates (rad/s) of a vehicle whose attitude will be ``q_nb``."""
 
@@ -34,6 +38,7 @@ class AsRates:
     """SET_ATTITUDE_TARGET without the attitude: PX4's rate loop flies them."""
 
     needs_attitude: bool = False
+    smoothing: float = 0.0
 
     def setpoint(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> RateSetpoint:
         """See Encoding."""
@@ -49,10 +54,12 @@ class AsAttitude:
     """The attitude q * exp(w/K), in the exact form of PX4's controller (Brescianini et al.): tilt first, nose second.
 
     Its attitude error is a swing (about body x and y) after a twist about the thrust axis, shortened by MC_YAW_WEIGHT:
-    rates = 2 K (swing * shortened twist). That is solved for swing and twist. ``gains``: 1/s.
+    rates = 2 K (swing * shortened twist). That is solved for swing and twist. ``gains``: 1/s. From 1.18 on PX4 smooths
+    the attitude first (MC_REF_W_N): the error it sees is against the attitude that was sent ``smoothing`` s ago.
     """
 
     gains: Vec3 = PX4_GAINS
+    smoothing: float = 0.0
     needs_attitude: bool = True
 
     def setpoint(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> AttitudeSetpoint:
@@ -81,4 +88,6 @@ def as_attitude(tuning: Tuning) -> AsAttitude:
     """For a vehicle's own gains."""
     told = (tuning.roll_p, tuning.pitch_p, tuning.yaw_p)
     kx, ky, kz = (usual if own is None else own for own, usual in zip(told, PX4_GAINS, strict=True))
-    return AsAttitude((kx, ky, kz))
+    # critically damped: what changes slowly comes out 2 / wn late
+    smoothing = 2.0 / tuning.smoothing if tuning.smoothing else 0.0
+    return AsAttitude((kx, ky, kz), smoothing)

@@ -86,7 +86,8 @@ class RateMemory(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class RateSteering:
     """The law at the level of rates for one vehicle. ``hover_thrust``: normalised, as told; the rest is observed.
-    ``encoding``: rates as they are, or as the attitude that PX4's own loop turns back into them."""
+    ``encoding``: rates as they are, or as the attitude that PX4's own loop turns back into them; what it smooths makes
+    the rate loop so much later."""
 
     law: Law
     hold: HoldLaw
@@ -124,7 +125,8 @@ class RateSteering:
             aim = Along(aim.s, slowed(aim.ramp, pace))
         acts_after = self._delay(memory.delay, link_delay, dt)
         half = 0.5 * dt  # a command is held until the next one
-        lag = self._response(memory).lag
+        smoothing = self.encoding.smoothing
+        lag = self._response(memory).lag  # with the smoothing
         there = self._ahead(memory, acts_after + half + lag)
         zeta = memory.zeta
         flying = Flying(
@@ -148,7 +150,7 @@ class RateSteering:
         # every other step is often enough for a slope
         held_slope = None if dt == 0.0 else memory.sloped
         slope_r = self._yaw_slope(flying, command, aim) if held_slope is None else held_slope
-        lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag)
+        lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag) + smoothing
         r += (lead - lag) * slope_r - memory.inner.yaw_trim - yaw_sum
         # yaw is turned by torque that thrust and tilting may need when it comes: near the top it waits
         share = (zeta + slope * YAW_TORQUE_LAG) / (vehicle.mass * most_lift) * THRUST_MAX
@@ -162,7 +164,9 @@ class RateSteering:
         wanted = lift * self.hover_thrust / vehicle.gravity
         thrust = min(max(wanted, THRUST_MIN), THRUST_MAX)
         lift = thrust * vehicle.gravity / self.hover_thrust
-        q_nb = self._ahead(memory, acts_after + half).q_nb if self.encoding.needs_attitude else state.q_nb
+        # what is smoothed is not held as well: PX4's model moves on when a new setpoint comes; its loop runs in steps
+        followed_after = acts_after + max(half, smoothing, 0.5 * PX4_STEP) - 0.5 * PX4_STEP
+        q_nb = self._ahead(memory, followed_after).q_nb if self.encoding.needs_attitude else state.q_nb
         at = max(state.t_boot + acts_after, memory.sent[-1].at)
         sent = (*memory.sent, Sent(at, rates, lift))
         limited = bound or clipped or thrust != wanted
@@ -183,7 +187,9 @@ class RateSteering:
             thrust_share=thrust,
             converged=memory.observed.converged,
             pace=pace.factor,
-            estimates=Estimates(belief.kappa, belief.drag, belief.disturbance_n, belief.bias_n, acts_after, lag),
+            estimates=Estimates(
+                belief.kappa, belief.drag, belief.disturbance_n, belief.bias_n, acts_after, lag - smoothing
+            ),
         )
 
     def _asked(self, flying: Flying, aim: Aim) -> Command:
@@ -238,7 +244,8 @@ class RateSteering:
         known = memory.observed
         if known.flown < FLOWN_MIN or not known.converged:
             return None
-        return Learned(self.hover_thrust / known.belief.kappa, known.belief.drag, memory.lag.value)
+        lag = memory.lag.value - self.encoding.smoothing
+        return Learned(self.hover_thrust / known.belief.kappa, known.belief.drag, lag)
 
     def _again(self, memory: RateMemory, state: VehicleState) -> RateMemory:
         """A beginning that keeps what was learned of the vehicle."""
@@ -339,7 +346,7 @@ def rate_steering(
 ) -> RateSteering:
     """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
     ``lag``: s, of its rate loop as last found; None: as its file says."""
-    response = Response(vehicle.rate_loop_lag, vehicle.motor_lag)
+    response = Response(vehicle.rate_loop_lag + encoding.smoothing, vehicle.motor_lag)
     limits = vehicle.limits
     lean = math.inf
     if limits is not None:
@@ -356,6 +363,6 @@ def rate_steering(
         yaw_gain=yaw_gain,
         course=course,
         lean=lean,
-        lag=response.lag if lag is None else lag,
+        lag=response.lag if lag is None else lag + encoding.smoothing,
         heading=heading,
     )

@@ -168,6 +168,7 @@ class Autopilot:
         """What the sensors say after the step."""
         if estimate.resets != self.estimate.resets:
             self.guidance.jumped(estimate)
+            self.cascade.jumped(self.estimate.q_nb, estimate.q_nb)
         self.estimate = estimate
         self.truth = truth
         self._stands = truth.on_ground  # felt by the legs; nothing else of the truth is used

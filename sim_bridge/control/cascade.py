@@ -5,9 +5,9 @@ One step: choose what is flown (a target, an attitude, rates, motors, nothing), 
 
 from __future__ import annotations
 
-from companion.frames import Quaternion, Vec3
+from companion.frames import Quaternion, Vec3, conjugate, multiply
 from companion.vehicle import Vehicle
-from sim_bridge.control.attitude import rates_for
+from sim_bridge.control.attitude import Smoothed, rates_for, smoothed
 from sim_bridge.control.mixing import Mixer
 from sim_bridge.control.position import PositionLoop, Target
 from sim_bridge.control.rates import RateLoop, RatesWanted, gains_for
@@ -37,6 +37,8 @@ class Cascade:
         self.thrust = 0.0
         self.rates_wanted: RatesWanted = (0.0, 0.0, 0.0)
         self.attitude_wanted: Quaternion = (1.0, 0.0, 0.0, 0.0)
+        self._smoothed = Smoothed(self.attitude_wanted)
+        self._smoothed_at: int | None = None
         self.commands: Four = STOPPED
         self._by_hand = False
 
@@ -85,8 +87,22 @@ class Cascade:
         self, now: Estimate, attitude: Quaternion, thrust: float, heading_rate: float = 0.0, on_ground: bool = False
     ) -> Four:
         """An attitude and thrust, the heading turning at ``heading_rate`` rad/s."""
+        if attitude is not self.attitude_wanted:  # a new setpoint moves the model, the time between two of them on
+            self._smooth(attitude, heading_rate, now.time_us)
+        return self.fly_rates(now, rates_for(now.q_nb, self._smoothed.q_nb, heading_rate), thrust, on_ground)
+
+    def _smooth(self, attitude: Quaternion, heading_rate: float, time_us: int) -> None:
         self.attitude_wanted = attitude
-        return self.fly_rates(now, rates_for(now.q_nb, attitude, heading_rate), thrust, on_ground)
+        if self._smoothed_at is None or time_us <= self._smoothed_at:
+            self._smoothed = Smoothed(attitude)
+        else:
+            self._smoothed = smoothed(self._smoothed, attitude, heading_rate, 1e-6 * (time_us - self._smoothed_at))
+        self._smoothed_at = time_us
+
+    def jumped(self, before: Quaternion, now: Quaternion) -> None:
+        """The estimate has jumped from one attitude to another: as in PX4 what is followed turns along."""
+        turned = multiply(multiply(now, conjugate(before)), self._smoothed.q_nb)
+        self._smoothed = self._smoothed._replace(q_nb=turned)
 
     @property
     def wants_target(self) -> bool:
