@@ -4,17 +4,19 @@ One vehicle, the plant with its full onboard streams and the state at 250 Hz, an
 
     C echo         receive, CRC, send, in 50 lines of C (bench/echo.c; compiled now, if there is a compiler)
     Python echo    the same in Python: the measure of what the interpreter and the system cost
-    companion      the daemon, as ``companion fly`` runs it, flying circle_r5 on motors
+    companion      the daemon, as ``companion fly`` runs it, flying circle_r5 on motors; and on rates, which is what PX4
+                   flies: there the observer and the prediction come before the law
     MAVSDK asyncio its telemetry -> its offboard setpoint
 
 Measured at the vehicle: from before the send of the state to the kernel's stamp on the arrival of the setpoint that
 carries this state's time back. Rounds take turns, so that what else the machine does falls on all alike.
-Targets: companion at most 2.5 times (p50) and 2 times (p99) the Python echo.
+Targets: companion, on motors and on rates, at most 2.5 times (p50) and 2 times (p99) the Python echo.
 """
 
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import select
 import shutil
@@ -28,6 +30,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -49,15 +52,49 @@ WARM_UP = 500
 ODOMETRY, QUATERNION = message("ODOMETRY"), message("ATTITUDE_QUATERNION")
 MOTORS, ATTITUDE = message("SET_ACTUATOR_CONTROL_TARGET"), message("SET_ATTITUDE_TARGET")
 TARGET_P50, TARGET_P99 = 2.5, 2.0
+OURS = "companion"
+
+
+class Pair(NamedTuple):
+    """A message of the state and the setpoint that answers it, each with what tells which state it is of: a function of
+    its payload, filled up with zeros."""
+
+    state: int
+    told: Callable[[bytes], int]
+    setpoint: int
+    answered: Callable[[bytes], int]
+
+
+def _microseconds(payload: bytes) -> int:
+    (stamp,) = struct.unpack_from("<Q", payload)
+    return int(stamp)
+
+
+def _milliseconds(payload: bytes) -> int:
+    (stamp,) = struct.unpack_from("<I", payload)
+    return int(stamp)
+
+
+def _degrees(payload: bytes) -> int:
+    (rate,) = struct.unpack_from("<f", payload, 20)
+    return round(math.degrees(rate))
+
+
+BY_MOTORS = Pair(ODOMETRY.id, _microseconds, MOTORS.id, _microseconds)
+BY_RATES = Pair(ODOMETRY.id, lambda payload: round(1e-3 * _microseconds(payload)), ATTITUDE.id, _milliseconds)
+BY_ROLL_RATE = Pair(QUATERNION.id, lambda payload: _milliseconds(payload) // 4 % 1000, ATTITUDE.id, _degrees)
+"""MAVSDK stamps its setpoints by its own clock: see latency_clients."""
 
 
 @dataclass
 class Client:
-    """``command``: how it is started, for a port. ``state``: the message it answers."""
+    """``command``: how it is started, for a port. ``pair``: the message it answers and how. ``direct``: the vehicle
+    takes motor commands."""
 
     name: str
     command: Callable[[int, Path], list[str]]
-    state: int = ODOMETRY.id
+    pair: Pair = BY_MOTORS
+    direct: bool = True
     delays: list[float] = field(default_factory=list)
     states: int = 0
 
@@ -68,11 +105,10 @@ class Client:
         return float(a), float(b), float(c)
 
 
-def vehicle_on_its_way() -> Bridge:
+def vehicle_on_its_way(direct: bool) -> Bridge:
     """The plant in a hover on the path, its state streaming at 250 Hz beside PX4's usual traffic."""
-    bridge = Bridge(
-        load_vehicle("x500"), World(), direct=True, start=start_of(load_mission("circle_r5", Level.MOTORS)), endpoints=1
-    )
+    start = start_of(load_mission("circle_r5", Level.MOTORS))
+    bridge = Bridge(load_vehicle("x500"), World(), direct=direct, start=start, endpoints=1)
     ask = Encoder(1, 191)
     for msgid in (ODOMETRY.id, QUATERNION.id):
         bridge.receive(
@@ -93,7 +129,7 @@ class Meter:
 
     def __init__(self, client: Client, port: int) -> None:
         self.client = client
-        self.bridge = vehicle_on_its_way()
+        self.bridge = vehicle_on_its_way(client.direct)
         self.sent: dict[int, int] = {}
         self.found: list[float] = []
         self.messages = 0
@@ -120,10 +156,9 @@ class Meter:
 
     def _send(self, datagram: bytes) -> None:
         msgid = datagram[7] | datagram[8] << 8 | datagram[9] << 16
-        if msgid == self.client.state:
-            (stamp,) = struct.unpack_from("<Q" if msgid == ODOMETRY.id else "<I", datagram, 10)
-            key = stamp if msgid == ODOMETRY.id else stamp // 4 % 1000
-            self.sent[key] = time.clock_gettime_ns(time.CLOCK_REALTIME)
+        pair = self.client.pair
+        if msgid == pair.state:
+            self.sent[pair.told(_payload(datagram))] = time.clock_gettime_ns(time.CLOCK_REALTIME)
         self.messages += 1
         with contextlib.suppress(OSError):
             self._socket.sendto(datagram, self._peer)
@@ -138,17 +173,17 @@ class Meter:
                 self.bridge.receive(data)
 
     def _answered(self, data: bytes, arrived: int) -> None:
-        msgid = data[7]
-        if msgid == MOTORS.id:
-            (key,) = struct.unpack_from("<Q", data.ljust(60, b"\0"), 10)
-        elif msgid == ATTITUDE.id:
-            (rate,) = struct.unpack_from("<f", data.ljust(60, b"\0"), 10 + 20)
-            key = round(np.degrees(rate))
-        else:
+        pair = self.client.pair
+        if data[7] != pair.setpoint:
             return
-        sent = self.sent.pop(key, None)
+        sent = self.sent.pop(pair.answered(_payload(data)), None)
         if sent is not None:
             self.found.append((arrived - sent) * 1e-3)
+
+
+def _payload(frame: bytes) -> bytes:
+    """Of a frame whose trailing zeros were cut off."""
+    return frame[10 : 10 + frame[1]].ljust(64, b"\0")
 
 
 @contextlib.contextmanager
@@ -183,17 +218,19 @@ def clients(directory: Path) -> list[Client]:
     shipped = ROOT / "configs"
     mission.write_text((shipped / "missions" / "circle_r5.yaml").read_text() + "origin: local\n")
     machine.write_text((shipped / "vehicles" / "x500.yaml").read_text().replace("motors: px4", "motors: direct"))
+
+    def companion(vehicle: str, *output: str) -> Callable[[int, Path], list[str]]:
+        return lambda port, folder: [
+            python, "-m", "companion", "fly", str(mission), "--vehicle", vehicle, "--output", *output,
+            "--connect", f"udpin://127.0.0.1:{port}", "--record", str(folder / "flight"),
+        ]  # fmt: skip
+
     found = [
         Client("Python echo", lambda port, _: [python, script, "echo", str(port)]),
-        Client(
-            "companion",
-            lambda port, folder: [
-                python, "-m", "companion", "fly", str(mission), "--vehicle", str(machine), "--output", "motors",
-                "--connect", f"udpin://127.0.0.1:{port}", "--record", str(folder / "flight"),
-            ],
-        ),
-        Client("MAVSDK asyncio", lambda port, _: [python, script, "mavsdk", str(port)], QUATERNION.id),
-    ]  # fmt: skip
+        Client(OURS, companion(str(machine), "motors")),
+        Client(f"{OURS}, rates", companion("x500", "rates", "--set-parameters"), BY_RATES, direct=False),
+        Client("MAVSDK asyncio", lambda port, _: [python, script, "mavsdk", str(port)], BY_ROLL_RATE),
+    ]
     compiler = shutil.which("cc")
     if compiler is None:
         print("no C compiler here: the C echo is left out")
@@ -239,10 +276,14 @@ def main() -> None:
             f"{client.name:16} {len(client.delays):8} {p50:8.0f} {p99:8.0f} {largest:8.0f} "
             f"{p50 / base[0]:25.2f} {p99 / base[1]:5.2f}"
         )
-    ours = next(client.percentiles for client in contenders if client.name == "companion")
-    held = ours[0] <= TARGET_P50 * base[0] and ours[1] <= TARGET_P99 * base[1]
-    print(f"targets {TARGET_P50:g} and {TARGET_P99:g}: {'held' if held else 'MISSED'}")
-    sys.exit(0 if held else 1)
+    missed = [
+        client.name
+        for client in contenders
+        if client.name.startswith(OURS)
+        and not (client.percentiles[0] <= TARGET_P50 * base[0] and client.percentiles[1] <= TARGET_P99 * base[1])
+    ]
+    print(f"targets {TARGET_P50:g} and {TARGET_P99:g}: {'MISSED by ' + '; '.join(missed) if missed else 'held'}")
+    sys.exit(1 if missed else 0)
 
 
 if __name__ == "__main__":
