@@ -39,7 +39,7 @@ GROUND_HZ = {
     "SYS_STATUS": 1, "HEARTBEAT": 1, "ALTITUDE": 1, "EXTENDED_SYS_STATE": 1, "PING": 0.1, "VIBRATION": 0.1,
     "ESTIMATOR_STATUS": 0.5, "DISTANCE_SENSOR": 0.5, "HOME_POSITION": 0.5, "MISSION_CURRENT": 1,
 }  # fmt: skip
-BESIDES: set[str] = set()
+BESIDES = {"EVENT"}
 """What is sent by other rules."""
 MOVING = Start((1.0, 2.0, -30.0), (3.0, -1.0, 0.5), quaternion_from_euler(2.0, 0.1, -0.2), (0.1, 0.2, -0.3))
 

@@ -17,6 +17,7 @@ from sim_bridge.autopilot.contacts import Contacts
 from sim_bridge.autopilot.events import Events
 from sim_bridge.autopilot.fence_watch import FenceWatch
 from sim_bridge.autopilot.guidance import Guidance, TakeOff, Throttle
+from sim_bridge.autopilot.health_report import HealthReport
 from sim_bridge.autopilot.landing import LandingDetector
 from sim_bridge.autopilot.missions.flight import MissionFlight
 from sim_bridge.autopilot.missions.store import Store
@@ -60,6 +61,7 @@ class Autopilot:
         self.battery = Battery(self.parameters)
         self.commander = Commander(self.parameters, READY_AFTER)
         self.events = Events()
+        self._health = HealthReport()
         self.contacts = Contacts(self.parameters, self.commander)
         self.tilt = TiltWatch(self.parameters)
         self.missions = Store()
@@ -186,6 +188,8 @@ class Autopilot:
         fact_watch.gather(self, SUPERVISION_US * 1e-6)
         mission_watch.look_after(self)
         commander.update(self.t)
+        for said in self._health.update(self.t, fact_watch.known_to_the_health_report(self)):
+            self.events.keep(*said, estimate.time_us)
         self.whereabouts.update(estimate, commander.armed, commander.landed)
 
     def place_of(self, latitude: float, longitude: float, altitude: float, frame: int) -> Vec3 | None:

@@ -90,7 +90,11 @@ class Events:
         level = text.severity.value
         internal = Severity.INFO.value if text.severity is Severity.CRITICAL else level
         levels = LEVELS.get(found[0], internal << 4 | level)
-        self.kept.append(Event(self._next & 0xFFFF, time_us // 1000, PX4 | found[0], levels, found[1]))
+        self.keep(found[0], levels, found[1], time_us)
+
+    def keep(self, identity: int, levels: int, arguments: bytes, time_us: int) -> None:
+        """One more event."""
+        self.kept.append(Event(self._next & 0xFFFF, time_us // 1000, PX4 | identity, levels, arguments))
         del self.kept[:-KEPT]
         self._next += 1
 

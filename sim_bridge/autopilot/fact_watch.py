@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.battery import ChargeState
 from sim_bridge.autopilot.commander import Severity, Text
+from sim_bridge.autopilot.health_report import Known
 from sim_bridge.autopilot.setpoints import MotorDemand, RateDemand
 
 if TYPE_CHECKING:
@@ -34,3 +35,13 @@ def gather(autopilot: Autopilot, passed: float) -> None:
     facts.sticks_lost = autopilot.sticks.is_lost(t)
     rates_alone = commander.mode is Mode.ACRO or isinstance(autopilot.demand, RateDemand | MotorDemand)
     facts.tipped_over = autopilot.tilt.update(t, now.q_nb, commander.armed and not rates_alone)
+
+
+def known_to_the_health_report(autopilot: Autopilot) -> Known:
+    """What the health report is made from."""
+    commander, facts, parameters = autopilot.commander, autopilot.commander.facts, autopilot.parameters
+    return Known(
+        ready=commander.is_ready(autopilot.t), armed=commander.armed, mode=commander.mode, sticks=not facts.sticks_lost,
+        stream=not facts.offboard_lost, mission=not facts.mission_missing, operator=not facts.ground_station_lost,
+        operator_needed=bool(parameters["NAV_DLL_ACT"]), mission_needed=bool(parameters["COM_ARM_MIS_REQ"]),
+    )  # fmt: skip

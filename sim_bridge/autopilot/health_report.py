@@ -1,0 +1,141 @@
+"""The health report: in which modes the vehicle could be armed and flown now, and what stands in the way.
+
+PX4 says it in events alone. A report is a summary for arming, the checks that fail, and a summary of the parts; there
+is a new one when something has changed, at most every two seconds. Ids, masks and parts are those of a recorded
+session. A mode is a bit, the one of PX4's number for it.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import NamedTuple
+
+from companion.mavlink.modes import Mode
+
+PERIOD = 2.0
+"""s between two reports at least, and until the first."""
+NUMBERS = {
+    Mode.MANUAL: 0, Mode.ALTITUDE: 1, Mode.POSITION: 2, Mode.MISSION: 3, Mode.HOLD: 4, Mode.RETURN: 5,
+    Mode.POSITION_SLOW: 6, Mode.ALTITUDE_CRUISE: 8, Mode.ACRO: 10, Mode.DESCEND: 12, Mode.TERMINATION: 13,
+    Mode.OFFBOARD: 14, Mode.STABILIZED: 15, Mode.TAKEOFF: 17, Mode.LAND: 18, Mode.FOLLOW: 19, Mode.PRECISION_LAND: 20,
+    Mode.ORBIT: 21,
+}  # fmt: skip
+"""PX4's numbers of the modes (nav_state)."""
+
+
+def bits(*modes: Mode) -> int:
+    """The modes as bits."""
+    return sum(1 << NUMBERS[mode] for mode in modes)
+
+
+EVERY = 0x807FFFFF
+ALL_BITS = 0xFFFFFFFF
+"""How PX4 writes both all modes and none in particular."""
+WITH_STICKS = bits(
+    Mode.MANUAL, Mode.ALTITUDE, Mode.POSITION, Mode.POSITION_SLOW, Mode.ALTITUDE_CRUISE, Mode.ACRO, Mode.STABILIZED
+)  # fmt: skip
+WITH_A_PLACE = 0x007E00FC
+WITH_THE_GLOBE = bits(Mode.MISSION, Mode.HOLD, Mode.RETURN)
+NOT_TO_ARM_IN = bits(
+    Mode.RETURN, Mode.DESCEND, Mode.TERMINATION, Mode.LAND, Mode.FOLLOW, Mode.PRECISION_LAND, Mode.ORBIT
+)  # fmt: skip
+REMOTE_CONTROL, COMMUNICATION, LOCAL_POSITION, SYSTEM, GLOBAL_POSITION = 7, 12, 17, 20, 24
+PRESENT = 0x38020D02
+"""The parts PX4's simulation has as soon as it is up; GPS and the link to an operator come later."""
+GPS = 3
+ARMING_SUMMARY, HEALTH_SUMMARY = 11047904, 1914663
+PROTOCOL, ERROR, WARNING, INFO = 0x88, 0x33, 0x44, 0x66
+"""Log levels, to the log and to others."""
+
+
+class Known(NamedTuple):
+    """What a report is made from. ``operator_needed``, ``mission_needed``: parameters make these a matter of arming."""
+
+    ready: bool
+    armed: bool
+    mode: Mode
+    sticks: bool
+    stream: bool
+    mission: bool
+    operator: bool
+    operator_needed: bool
+    mission_needed: bool
+
+
+class Said(NamedTuple):
+    """An event: its id, its log levels, its arguments."""
+
+    id: int
+    levels: int
+    arguments: bytes
+
+
+class Check(NamedTuple):
+    """A check that fails: the modes nobody can arm in for it, those that cannot be flown, and the part concerned."""
+
+    id: int
+    levels: int
+    told: int
+    no_arming: int
+    no_flying: int
+    part: int
+
+    @property
+    def said(self) -> Said:
+        """Its event."""
+        return Said(self.id, self.levels, struct.pack("<IB", self.told, self.part))
+
+
+def failing(known: Known) -> list[Check]:
+    """What stands in the way."""
+    checks = []
+    offboard, mission = bits(Mode.OFFBOARD), bits(Mode.MISSION)
+    if not known.stream:
+        checks.append(Check(11464574, ERROR, offboard, offboard, offboard, SYSTEM))
+    if not known.armed and NOT_TO_ARM_IN >> NUMBERS.get(known.mode, 0) & 1:
+        checks.append(Check(1871713, INFO, NOT_TO_ARM_IN, NOT_TO_ARM_IN, 0, SYSTEM))
+    if not known.ready:
+        checks.append(Check(13835193, ERROR, WITH_A_PLACE, WITH_A_PLACE, WITH_A_PLACE, LOCAL_POSITION))
+        checks.append(Check(10011251, ERROR, WITH_THE_GLOBE, WITH_THE_GLOBE, WITH_THE_GLOBE, GLOBAL_POSITION))
+    if not known.mission:
+        kept = ALL_BITS if known.mission_needed else mission
+        checks.append(Check(377561, INFO, kept, kept, mission, SYSTEM))
+    if not known.sticks:
+        checks.append(Check(453929, WARNING, ALL_BITS, WITH_STICKS, WITH_STICKS, REMOTE_CONTROL))
+    if not known.operator:
+        kept, levels = (ALL_BITS, WARNING) if known.operator_needed else (0, INFO)
+        checks.append(Check(6801787, levels, ALL_BITS, kept, 0, COMMUNICATION))
+    return checks
+
+
+def report(known: Known) -> list[Said]:
+    """The events of a report, in their order."""
+    errors = warnings = 0
+    can_arm = can_run = EVERY
+    checks = failing(known)
+    for check in checks:
+        can_arm, can_run = can_arm & ~check.no_arming, can_run & ~check.no_flying
+        errors |= (check.levels == ERROR) << check.part
+        warnings |= (check.levels == WARNING) << check.part
+    present = PRESENT | known.ready << GPS | known.operator << COMMUNICATION
+    return [
+        Said(ARMING_SUMMARY, PROTOCOL, struct.pack("<BIIII", 0, errors, warnings, can_arm, can_run)),
+        *(check.said for check in checks),
+        Said(HEALTH_SUMMARY, PROTOCOL, struct.pack("<BIII", 0, present, 0, 0)),
+    ]
+
+
+class HealthReport:
+    """When it is said."""
+
+    def __init__(self) -> None:
+        self._known: Known | None = None
+        self._next_at = PERIOD
+
+    def update(self, t: float, known: Known) -> list[Said]:
+        """What is to be said at ``t`` (s)."""
+        if known == self._known or t < self._next_at:
+            return []
+        before, self._known, self._next_at = self._known, known, t + PERIOD
+        said = report(known)
+        return [] if before is not None and report(before) == said else said
