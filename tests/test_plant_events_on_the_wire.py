@@ -6,6 +6,9 @@ import struct
 from typing import Any
 
 from companion.mavlink.modes import Mode
+from sim_bridge.autopilot.event_table import event_table
+from sim_bridge.autopilot.events import PLAIN, event_of
+from sim_bridge.autopilot.health_report import Known, report
 from tests.plant_client import ARM, NAN, TAKEOFF, Client
 
 EXTERNAL_COMMAND, HOLD = 4, 5
@@ -117,3 +120,27 @@ def test_what_was_missed_is_sent_again() -> None:
     client.send("REQUEST_EVENT", first_sequence=3, last_sequence=3)
     missing: dict[str, Any] = client.last("RESPONSE_EVENT_ERROR")
     assert (missing["sequence"], missing["sequence_oldest_available"]) == (3, last - 19)
+
+
+def test_every_event_is_described() -> None:
+    """What MAVSDK and QGroundControl need to show it: a text, and arguments that are as long as what is sent."""
+    sizes = {"uint8_t": 1, "int16_t": 2, "uint16_t": 2, "uint32_t": 4, "int32_t": 4, "float": 4}
+    component: Any = event_table()["components"]["1"]  # type: ignore[index]
+    sizes |= {name: sizes[kind["type"]] for name, kind in component["enums"].items()}
+    events_of = {name: group["events"] for name, group in component["event_groups"].items()}
+    described = {int(identity): event for group in events_of.values() for identity, event in group.items()}
+    said = report(Known(False, False, Mode.LAND, False, False, False, False, True, True))
+    assert {event.id for event in said} == set(CHECKS.values())
+    texts = [
+        *PLAIN, "Armed by mission start", "Failsafe activated", "Failsafe activated: entering Hold for 5 seconds",
+        "Using default takeoff altitude: 2.5 m", "RTL: start return at 519 m (30 m above destination)",
+        "Geofence violation for waypoint 3", "Climb to 8.0 meters above home",
+        "SET_POSITION_TARGET_LOCAL_NED coordinate frame 7 unsupported",
+    ]  # fmt: skip
+    beside = [event_of(text, Mode.OFFBOARD, Mode.HOLD) for text in texts]
+    for identity, arguments in [(e.id, e.arguments) for e in said] + [e for e in beside if e is not None]:
+        event = described[identity]
+        assert sum(sizes[each["type"]] for each in event["arguments"]) == len(arguments), event
+        assert event["message"].count("{") <= len(event["arguments"])
+    assert described[5383828]["message"] == "RTL: start return at {1} m ({2} m above destination)"
+    assert events_of["health"][str(CHECKS[7])]["type"] == events_of["arming_check"][str(CHECKS[0])]["type"] == "summary"

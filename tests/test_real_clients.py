@@ -50,7 +50,8 @@ def test_mavsdk_flies_it(plant: int) -> None:
     assert found.pop("parameters") > 800
     assert found.pop("battery") > 90.0
     assert found == {
-        "connected": "0", "discovered": True, "armed too early": "COMMAND_DENIED", "healthy": True, "identity": 1,
+        "connected": "0", "discovered": True, "armed too early": "COMMAND_DENIED", "healthy": True, "may arm": True,
+        "identity": 1,
         "set": [6.0, 5], "unknown parameter": "DOES_NOT_EXIST", "home known": True, "fence back": 5, "mission back": 2,
         "took off": True, "in air": True, "went there": True, "heading": True, "no setpoint": "NO_SETPOINT_SET",
         "offboard": True, "position": True, "velocity": True, "velocity of the body": True,

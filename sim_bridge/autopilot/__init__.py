@@ -24,6 +24,7 @@ messages    what the vehicle says, message by message
 streams     when it says it
 commands    what it answers to commands
 events      what is said in numbers beside the texts
+event_table what the events mean, for ground stations
 health_report  in which modes it could be armed and flown, and why not
 file_link   files over MAVLink
 link        one endpoint: bytes in, bytes out

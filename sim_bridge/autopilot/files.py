@@ -8,11 +8,13 @@ import zlib
 from dataclasses import dataclass
 from functools import cached_property
 
+from sim_bridge.autopilot.event_table import event_table
 from sim_bridge.autopilot.parameters import table
 
 GENERAL_METADATA_PATH = "etc/extras/component_general.json.xz"
 GENERAL_METADATA_URI = f"mftp://{GENERAL_METADATA_PATH}"
 PARAMETERS_PATH = "etc/extras/parameters.json.xz"
+EVENTS_PATH = "etc/extras/all_events.json.xz"
 DIRECTORIES = frozenset({"", "etc", "etc/extras", "log"})
 
 
@@ -58,7 +60,8 @@ def _group(name: str) -> str:
 
 
 PARAMETERS = _Parameters()
-PARAMETER_METADATA_TYPE = 1  # COMP_METADATA_TYPE_PARAMETER
+EVENTS = Document(event_table())
+PARAMETER_METADATA, EVENT_METADATA = 1, 4  # COMP_METADATA_TYPE
 
 
 class _General(Document):
@@ -66,10 +69,17 @@ class _General(Document):
 
     @cached_property
     def data(self) -> bytes:
-        entry = {"type": PARAMETER_METADATA_TYPE, "uri": f"mftp://{PARAMETERS_PATH}", "fileCrc": PARAMETERS.crc}
-        return Document({"version": 1, "metadataTypes": [entry]}).data
+        entries = [
+            {"type": PARAMETER_METADATA, "uri": f"mftp://{PARAMETERS_PATH}", "fileCrc": PARAMETERS.crc},
+            {"type": EVENT_METADATA, "uri": f"mftp://{EVENTS_PATH}", "fileCrc": EVENTS.crc},
+        ]
+        return Document({"version": 1, "metadataTypes": entries}).data
 
 
 GENERAL_METADATA = _General(None)
-FILES: dict[str, Document] = {GENERAL_METADATA_PATH: GENERAL_METADATA, PARAMETERS_PATH: PARAMETERS}
+FILES: dict[str, Document] = {
+    GENERAL_METADATA_PATH: GENERAL_METADATA,
+    PARAMETERS_PATH: PARAMETERS,
+    EVENTS_PATH: EVENTS,
+}
 """Path without its leading slash -> file."""

@@ -14,7 +14,7 @@ from typing import Any
 
 from mavsdk import Configuration, Mavsdk
 from mavsdk.logging import log_subscribe
-from mavsdk.plugins import action, geofence, info, mission, mission_raw, offboard, param, telemetry
+from mavsdk.plugins import action, events, geofence, info, mission, mission_raw, offboard, param, telemetry
 
 PATIENCE = 60.0
 
@@ -45,6 +45,7 @@ class Flight:
         self.raw = mission_raw.MissionRaw(system)
         self.fence = geofence.Geofence(system)
         self.info = info.Info(system)
+        self.events = events.Events(system)
 
     @property
     def place(self) -> tuple[float, float, float]:
@@ -62,6 +63,13 @@ class Flight:
     def is_near(self, north: float, east: float, down: float, within: float = 0.7) -> bool:
         return math.dist(self.place, (north, east, down)) < within
 
+    def may_arm(self) -> bool:
+        """Whether the health report lets the vehicle be armed as it is."""
+        try:
+            return bool(self.events.get_health_and_arming_checks_report().current_mode_intention.can_arm_or_run)
+        except events.EventsError:
+            return False
+
     def refused(self, call: Callable[[], Any]) -> str:
         """The result somebody is refused with."""
         try:
@@ -73,6 +81,7 @@ class Flight:
     def ground(self) -> None:
         say("armed too early", self.refused(self.action.arm))
         say("healthy", wait(self.telemetry.health_all_ok))
+        say("may arm", wait(self.may_arm))
         say("identity", self.info.get_version().flight_sw_major)
         every = self.param.get_all_params()
         say("parameters", len(every.int_params) + len(every.float_params))

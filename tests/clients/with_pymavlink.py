@@ -63,18 +63,20 @@ class Flight:
         return self.until("HEARTBEAT", lambda m: m.get_srcSystem() == 1 and self.link.flightmode == mode)
 
     def parameters(self) -> None:
+        """All of them; what UDP lost on a busy machine is asked for again, by index, as every ground station does."""
         self.link.param_fetch_all()
-        names: set[str] = set()
+        names: dict[int, str] = {}
         count = None
-        while count is None or len(names) < count:
-            value = self.link.recv_match(type="PARAM_VALUE", blocking=True, timeout=5.0)
+        end = time.monotonic() + PATIENCE
+        while (count is None or len(names) < count) and time.monotonic() < end:
+            value = self.link.recv_match(type="PARAM_VALUE", blocking=True, timeout=2.0)
             if value is None:
-                break
-            if value.param_id == "_HASH_CHECK":
-                continue
-            names.add(value.param_id)
-            count = value.param_count
-        say("all parameters", len(names) == count)
+                for index in set(range(count or 0)) - set(names):
+                    self.link.mav.param_request_read_send(1, 1, b"", index)
+            elif value.param_id != "_HASH_CHECK":
+                names[value.param_index] = value.param_id
+                count = value.param_count
+        say("all parameters", len(set(names.values())) == count)
         self.link.param_set_send("RTL_RETURN_ALT", 12.0, MAV.MAV_PARAM_TYPE_REAL32)
         say("set", self.until("PARAM_VALUE", lambda m: m.param_id == "RTL_RETURN_ALT" and m.param_value == 12.0))
 
