@@ -355,8 +355,14 @@ def test_beyond_the_fence(parameters: dict[str, float], mode: Mode) -> None:
 def test_an_orbit_keeps_its_distance_and_faces_its_centre() -> None:
     client = Client("sih")
     client.ground_station()
+    client.run(1.0)
+    assert not client.all("ORBIT_EXECUTION_STATUS")
     assert client.command(34, 10.0, 3.0, 0.0, 0.0, HOME[0], HOME[1], 489.4 + 12.0) == ACCEPTED
     client.run(25.0)
+    assert len(client.all("ORBIT_EXECUTION_STATUS")) == pytest.approx(25 * 5, rel=0.03)
+    circle = client.last("ORBIT_EXECUTION_STATUS", 1)
+    assert (circle["radius"], circle["z"], circle["frame"]) == pytest.approx((10.0, 489.4 + 12.0, 0), abs=0.1)
+    assert (circle["x"], circle["y"]) == pytest.approx((HOME[0] * 1e7, HOME[1] * 1e7), abs=50)  # a float of 47 deg
     north, east, down = client.bridge.truth.p_n
     assert math.hypot(north, east) == pytest.approx(10.0, abs=1.5)
     assert -down == pytest.approx(12.0, abs=0.5)

@@ -57,6 +57,7 @@ TABLE: dict[str, Row] = {
     "OPEN_DRONE_ID_BASIC_ID": Row(OFF, OFF, 500_000),
     "OPEN_DRONE_ID_LOCATION": Row(1, 1),
     "OPEN_DRONE_ID_SYSTEM": Row(1, 1, 125_000),
+    "ORBIT_EXECUTION_STATUS": Row(5, 2),
     "PING": Row(1, 0.1),
     "POSITION_TARGET_GLOBAL_INT": Row(10, 1),
     "POSITION_TARGET_LOCAL_NED": Row(10, 50, ESTIMATOR_US),
@@ -81,7 +82,7 @@ SILENT: dict[int, Row] = {
     233: Row(OFF, OFF), 235: Row(OFF, OFF), 246: Row(UNLIMITED, UNLIMITED), 250: Row(10, 1), 251: Row(10, 1),
     253: Row(OFF, 20), 254: Row(10, 1), 263: Row(UNLIMITED, UNLIMITED), 265: Row(10, 10), 280: Row(OFF, OFF),
     281: Row(0.5, 0.5), 283: Row(OFF, OFF), 284: Row(5, 5), 285: Row(5, 5), 296: Row(OFF, 5), 330: Row(10, 1),
-    339: Row(5, 2), 350: Row(10, 1), 360: Row(5, 2), 361: Row(5, 5), 371: Row(1, 1), 372: Row(OFF, OFF),
+    339: Row(5, 2), 350: Row(10, 1), 361: Row(5, 5), 371: Row(1, 1), 372: Row(OFF, OFF),
     395: Row(OFF, OFF), 397: Row(OFF, OFF), 435: Row(0.3, 0.3), 12918: Row(1, 1), 12920: Row(1, 0.1),
 }  # fmt: skip
 """Streams that PX4 has, whose intervals can be set and asked for, and that never have anything to send here."""

@@ -56,6 +56,7 @@ BUILDERS: dict[int, tuple[Format, Build]] = {
         ("OPEN_DRONE_ID_LOCATION", remote_id.location),
         ("OPEN_DRONE_ID_SYSTEM", remote_id.system),
         ("PING", health.ping),
+        ("ORBIT_EXECUTION_STATUS", targets.orbit_execution_status),
         ("POSITION_TARGET_GLOBAL_INT", targets.position_target_global_int),
         ("POSITION_TARGET_LOCAL_NED", targets.position_target_local_ned),
         ("PROTOCOL_VERSION", identity.protocol_version),

@@ -110,6 +110,19 @@ def servo_output_raw(a: Autopilot) -> Values:
     return (a.estimate.time_us, *motors, *(MOTOR_OFF,) * 4, 0, *(MOTOR_OFF,) * 8)
 
 
+def orbit_execution_status(a: Autopilot) -> Values | None:
+    """ORBIT_EXECUTION_STATUS, in an orbit: its circle, with a negative radius where it goes counter-clockwise."""
+    orbit = a.guidance.orbit
+    if orbit is None or not a.commander.armed or a.commander.mode is not Mode.ORBIT:
+        return None
+    north, east, down = orbit.centre
+    centre = degrees_e7(*a.projection.reproject(north, east))
+    radius = math.copysign(orbit.radius, orbit.speed)
+    return message("ORBIT_EXECUTION_STATUS").values(
+        time_usec=a.estimate.time_us, radius=radius, x=centre[0], y=centre[1], z=a.home.altitude - down
+    )  # frame: 0, MAV_FRAME_GLOBAL
+
+
 def actuator_output_status(a: Autopilot) -> Values:
     """ACTUATOR_OUTPUT_STATUS."""
     motors = _pulses(a) if a.commander.armed else (float(MOTOR_OFF),) * 4
