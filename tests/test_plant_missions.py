@@ -207,6 +207,7 @@ def test_a_mission_is_flown_and_ends_in_hold() -> None:
     assert seen == [0, 1, 2, 3]
     assert client.flown is Mode.HOLD
     assert client.all("MISSION_ITEM_REACHED")[0]["seq"] == 0
+    client.run(0.02)  # it is told at the link's next look
     assert client.last("MISSION_CURRENT")["mission_state"] == 5
     client.run(9.0)
     north, east, down = client.bridge.truth.p_n
