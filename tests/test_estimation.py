@@ -11,7 +11,7 @@ import pytest
 from companion.estimation import kalman
 from companion.estimation.kalman import DRAG, KAPPA, SIZE, UPPER, Belief, first_belief, seated, stepped
 from companion.estimation.lag import first_lag, followed_lag
-from companion.estimation.observer import Observed, Prior, first_observed, observed
+from companion.estimation.observer import Observed, Prior, Seen, can_wait, expected, first_observed, observed
 from companion.estimation.prediction import Known, predicted
 from companion.estimation.response import Inner, Response, Sent, axis_step, corrected, followed, in_force
 from companion.frames import Vec3, from_rotation_vector, multiply, quaternion_from_euler, rotation_matrix
@@ -186,7 +186,7 @@ def fly(
             v[:] = 0.0
         else:
             p, v = p + dt * v + 0.5 * dt * dt * a, v + dt * a
-        known = observed(known, dt, tuple(F), G, tuple(p), tuple(v), limited=False, jumped=False, moving=True)
+        known = observed(known, Seen(dt, tuple(F), tuple(p), tuple(v), moving=True), G)
     return known
 
 
@@ -242,7 +242,7 @@ def test_a_vehicle_that_is_let_go_is_seen_to_be_free_before_it_is_fast() -> None
     known, place = fly(level_start(), 6.0, 1.0, 0.9), (0.0, 0.0, -10.0)
 
     def seen(known: Observed, v_n: Vec3) -> Observed:
-        return observed(known, 0.01, (-4.0, 0.0, G), G, place, v_n, limited=False, jumped=False, moving=True)
+        return observed(known, Seen(0.01, (-4.0, 0.0, G), place, v_n, moving=True), G)
 
     for k in range(400):
         known = seen(known, (rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03)))
@@ -258,14 +258,37 @@ def test_turning_round_is_not_being_held() -> None:
     for k in range(400):
         v -= lean * 0.01
         p = (3.0 * 0.01 * k - 0.5 * lean * (0.01 * k) ** 2, 0.0, -10.0)
-        known = observed(known, 0.01, (lean, 0.0, G), G, p, (v, 0.0, 0.0), limited=False, jumped=False, moving=True)
+        known = observed(known, Seen(0.01, (lean, 0.0, G), p, (v, 0.0, 0.0), moving=True), G)
         assert not known.stuck
+
+
+def test_what_is_expected_is_what_the_filter_expects() -> None:
+    """A measurement just there surprises nobody, and the belief stays where it was expected."""
+    known = fly(level_start(), 3.0, 1.1, 0.6)
+    seen = Seen(0.01, (1.0, -2.0, 9.5), STILL, STILL)
+    p_n, v_n = expected(known.belief, seen, G)
+    bias = known.belief.bias_n
+    there = seen._replace(p_n=p_n, v_n=(v_n[0] + bias[0], v_n[1] + bias[1], v_n[2] + bias[2]))
+    after = observed(known, there, G).belief
+    assert after.p_n == pytest.approx(p_n, abs=1e-7)
+    assert after.v_n == pytest.approx(v_n, abs=1e-3)  # the bias fades by half a percent in a step
+
+
+def test_a_jump_or_a_hand_that_holds_does_not_wait() -> None:
+    known = fly(level_start(), 3.0, 1.0, 0.6)
+    p_n, v_n = known.belief.p_n, known.belief.v_n
+    near = Seen(0.01, (0.0, 0.0, G), (p_n[0] + 0.1, p_n[1], p_n[2]), v_n)
+    assert can_wait(known, near, p_n, v_n)
+    assert not can_wait(known, near._replace(jumped=True), p_n, v_n)
+    assert not can_wait(known, near._replace(p_n=(p_n[0] + 0.3, p_n[1], p_n[2])), p_n, v_n)
+    assert not can_wait(known, near._replace(v_n=(v_n[0], v_n[1] - 0.6, v_n[2])), p_n, v_n)
+    assert not can_wait(fly(known, 4.0, 1.0, 0.6, held=True), near, p_n, v_n)
 
 
 def test_a_jump_moves_the_place_and_nothing_else() -> None:
     known = fly(level_start(), 3.0, 1.1, 0.6)
     p, v = known.belief.p_n, known.belief.v_n
-    moved = observed(known, 0.01, (0.0, 0.0, 8.9), G, (p[0] + 5.0, p[1], p[2]), v, limited=False, jumped=False)
+    moved = observed(known, Seen(0.01, (0.0, 0.0, 8.9), (p[0] + 5.0, p[1], p[2]), v), G)
     assert moved.belief.p_n[0] == pytest.approx(p[0] + 5.0)
     assert moved.belief.x[KAPPA:] == known.belief.x[KAPPA:]
     assert np.linalg.eigvalsh(dense(seated(known.belief, p, v))).min() > 0.0
@@ -277,7 +300,7 @@ def test_trust_in_measurements_follows_their_noise() -> None:
     for _ in range(3000):
         p = (rng.gauss(0.0, 0.01), rng.gauss(0.0, 0.01), -10.0 + rng.gauss(0.0, 0.01))
         v = (rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03))
-        known = observed(known, 0.01, (0.0, 0.0, G), G, p, v, limited=False, jumped=False)
+        known = observed(known, Seen(0.01, (0.0, 0.0, G), p, v), G)
     assert math.sqrt(known.noise[0]) == pytest.approx(0.01, rel=0.3)
     assert math.sqrt(known.noise[1]) == pytest.approx(0.03, rel=0.3)
     assert math.hypot(*known.belief.v_n) < 0.03

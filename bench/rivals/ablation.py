@@ -12,7 +12,6 @@ from companion.estimation.response import Response
 from companion.plan import Plan
 from companion.steering.rates import RateMemory, RateSteering
 from companion.steering.steering import Steering
-from companion.vehicle import VehicleState
 
 KNOWN = 1e-9
 """A standard deviation that leaves nothing to learn."""
@@ -28,8 +27,9 @@ class Forgetful(RateSteering):
 
     forgotten: tuple[int, ...] = ()
 
-    def _seen(self, memory: RateMemory, state: VehicleState, gap: float) -> RateMemory:
-        memory = RateSteering._seen(self, memory, state, gap)
+    def learn(self, memory: RateMemory) -> RateMemory:
+        """See Steering."""
+        memory = RateSteering.learn(self, memory)
         belief = memory.observed.belief
         x = tuple(0.0 if i in self.forgotten else value for i, value in enumerate(belief.x))
         return memory._replace(observed=memory.observed._replace(belief=belief._replace(x=x)))

@@ -62,6 +62,10 @@ class Tracker:
         steered = tracking.steer(memory.rates, state, dt, aim, link_delay)
         return steered._replace(memory=TrackerMemory(steered.memory, begun))
 
+    def learn(self, memory: TrackerMemory) -> TrackerMemory:
+        """See Steering."""
+        return memory._replace(rates=self.rates.learn(memory.rates))
+
     def level(self, state: VehicleState | None, memory: TrackerMemory | None = None) -> Setpoint:
         """See Steering."""
         return self.rates.level(state, None if memory is None else memory.rates)

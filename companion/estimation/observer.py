@@ -75,6 +75,20 @@ class Observed(NamedTuple):
         return self.flown >= FIRST_LEARNING and self.belief.variance(KAPPA) < (CONVERGED * self.belief.kappa) ** 2
 
 
+class Seen(NamedTuple):
+    """A state to learn from, ``dt`` s after the last one. ``lift_n``: m/s^2, the mean lift since then. ``limited``: the
+    last command met a limit. ``jumped``: the vehicle says that its estimate was reset. ``moving``: it was told to fly
+    somewhere."""
+
+    dt: float
+    lift_n: Vec3
+    p_n: Vec3
+    v_n: Vec3
+    limited: bool = False
+    jumped: bool = False
+    moving: bool = False
+
+
 def first_observed(p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: Prior) -> Observed:
     """Before the first step. A vehicle that hovers leans into the wind, so that the lean says what the wind does."""
     lean: Vec3 = (0.0, 0.0, 0.0)
@@ -83,20 +97,33 @@ def first_observed(p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: P
     return Observed(first_belief(p_n, v_n, lean, prior.kappa, prior.drag), NOISE_MIN, lean)
 
 
-def observed(
-    known: Observed,
-    dt: float,
-    lift_n: Vec3,
-    gravity: float,
-    p_n: Vec3,
-    v_n: Vec3,
-    *,
-    limited: bool,
-    jumped: bool,
-    moving: bool = False,
-) -> Observed:
-    """``known`` after ``dt`` s under a mean lift and a new measurement. ``limited``: the last command met a limit.
-    ``jumped``: the vehicle says that its estimate was reset. ``moving``: it was told to fly somewhere."""
+def expected(belief: Belief, seen: Seen, gravity: float) -> tuple[Vec3, Vec3]:
+    """Where a state would be and how fast, by what was believed before it came."""
+    (px, py, pz), (vx, vy, vz), (fx, fy, fz) = belief.p_n, belief.v_n, seen.lift_n
+    (dx, dy, dz), kappa, c, h = belief.disturbance_n, belief.kappa, belief.drag, seen.dt
+    half = 0.5 * h
+    ax, ay, az = dx - kappa * fx - c * vx, dy - kappa * fy - c * vy, gravity + dz - kappa * fz - c * vz
+    return (
+        (px + h * (vx + half * ax), py + h * (vy + half * ay), pz + h * (vz + half * az)),
+        (vx + h * ax, vy + h * ay, vz + h * az),
+    )
+
+
+def can_wait(known: Observed, seen: Seen, p_n: Vec3, v_n: Vec3) -> bool:
+    """Whether a command may be made of what was expected (``p_n``, ``v_n``) and the state be learned from afterwards:
+    not after a jump, nor while something holds the vehicle."""
+    if seen.jumped or known.stuck:
+        return False
+    (x, y, z), (vx, vy, vz) = seen.p_n, seen.v_n
+    return (
+        max(abs(x - p_n[0]), abs(y - p_n[1]), abs(z - p_n[2])) < JUMP_P
+        and max(abs(vx - v_n[0]), abs(vy - v_n[1]), abs(vz - v_n[2])) < JUMP_V
+    )
+
+
+def observed(known: Observed, seen: Seen, gravity: float) -> Observed:
+    """``known`` after another state."""
+    dt, lift_n, p_n, v_n, limited, jumped, moving = seen
     frozen = FREEZE_FOR if limited else max(0.0, known.frozen - dt)
     learning = frozen == 0.0
     belief, surprise = stepped(known.belief, dt, lift_n, gravity, p_n, v_n, known.noise, learning)

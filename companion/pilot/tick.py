@@ -92,7 +92,7 @@ def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First
     if since is not memory.since:
         memory = memory._replace(since=since)
     if early is not None:
-        memory = _after(memory, early)
+        memory = _after(plan, memory, early)
     notes: list[str] = []
     memory = _decided(plan, memory, seen, verdict, now, notes)
     if early is not None:
@@ -107,7 +107,7 @@ def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First
     elif fresh and PHASES[memory.phase].steers and memory.phase is not Phase.ABORT:
         try:
             asked = _steered(plan, memory, seen)
-            memory, steered, ramp = _after(memory, asked), asked.steered, asked.ramp
+            memory, steered, ramp = _after(plan, memory, asked), asked.steered, asked.ramp
             setpoint = None if memory.phase is Phase.REHEARSE else steered.setpoint
         except LawError as error:
             memory = _decided(plan, memory, seen, verdict, now, notes, str(error))
@@ -228,11 +228,13 @@ def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | 
     return memory.aim
 
 
-def _after(memory: Memory, asked: First) -> Memory:
-    """The memory once the law was asked."""
+def _after(plan: Plan, memory: Memory, asked: First) -> Memory:
+    """The memory once the law was asked, and has learned from what it saw."""
     state, steered = memory.state, asked.steered
     assert state is not None
-    return memory._replace(steering=steered.memory, steered=steered, steered_at=state.t_boot, scale=asked.scale)
+    return memory._replace(
+        steering=plan.steering.learn(steered.memory), steered=steered, steered_at=state.t_boot, scale=asked.scale
+    )
 
 
 def _steered(plan: Plan, memory: Memory, seen: Observation) -> First:

@@ -86,6 +86,10 @@ class MotorSteering:
             thrust_share=middle / self.allocation.thrust_max,
         )
 
+    def learn(self, memory: Extension) -> Extension:
+        """See Steering: motor commands are flown as the vehicle file says."""
+        return memory
+
     def level(self, state: VehicleState | None, memory: Extension | None = None) -> MotorSetpoint:
         """Hover thrust, and from a fresh state the torques that turn the thrust axis up and stop the turning."""
         torque = (0.0, 0.0, 0.0) if state is None else self._levelling_torque(state)
@@ -93,7 +97,7 @@ class MotorSteering:
         return MotorSetpoint(self.allocation.allocate(u).commands)
 
     def learned(self, memory: Extension) -> None:
-        """See Steering: motor commands are flown as the vehicle file says."""
+        """See Steering: nothing."""
 
     def _motion(self, state: VehicleState, acting: Four) -> tuple[Vec3, Vec3]:
         """Acceleration (world) and body acceleration under this thrust and these torques (Eqs. 1 and 2)."""

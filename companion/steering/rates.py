@@ -17,7 +17,7 @@ from typing import NamedTuple
 from companion.estimation.kalman import DRAG, KAPPA
 from companion.estimation.lag import Lag, begun_anew, first_lag, followed_lag
 from companion.estimation.learned import FLOWN_MIN, Learned
-from companion.estimation.observer import Observed, Prior, first_observed, observed
+from companion.estimation.observer import Observed, Prior, Seen, can_wait, expected, first_observed, observed
 from companion.estimation.prediction import Ahead, Known, predicted
 from companion.estimation.response import YAW_TORQUE_LAG, Inner, Response, Sent, corrected, followed
 from companion.frames import Heading, Quaternion, Vec3, rotation_matrix, turned, upright_error, wrap
@@ -62,18 +62,22 @@ LEVEL_GAIN, LEVEL_RATE_MAX = 3.0, 2.0
 
 
 class RateMemory(NamedTuple):
-    """``state``: the last one, with ``observed`` and ``inner`` at its stamp. ``sent``: the commands that act at or
-    after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the last command met a limit.
-    ``yaw_sum``: rad/s, what a heading error that stays has added up to. ``pace``: see there. ``moving``: whether it was
-    told to fly somewhere. ``lag``: of its rate loop, as found. ``delay``: s from a state to the effect of its command
-    on the motors, as followed; None before the first step. ``sloped``: rad/s^2, the slope of the yaw rate where
-    the last step took it, None where it is to be taken."""
+    """``state``: the last one, with ``inner`` at its stamp and ``p_n``, ``v_n`` where it is believed to be then.
+    ``observed``: what was learned up to it, or up to the one before where ``to_learn`` is still to be learned from.
+    ``sent``: the commands that act at or after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the
+    last command met a limit. ``yaw_sum``: rad/s, what a heading error that stays has added up to. ``pace``: see there.
+    ``moving``: whether it was told to fly somewhere. ``lag``: of its rate loop, as found. ``delay``: s from a state to
+    the effect of its command on the motors, as followed; None before the first step. ``sloped``: rad/s^2, the slope of
+    the yaw rate where the last step took it, None where it is to be taken."""
 
     state: VehicleState
     observed: Observed
+    p_n: Vec3
+    v_n: Vec3
     inner: Inner
     sent: tuple[Sent, ...]
     zeta: float
+    to_learn: Seen | None = None
     limited: bool = False
     yaw_sum: float = 0.0
     pace: Pace = Pace()
@@ -111,6 +115,7 @@ class RateSteering:
         self, memory: RateMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
     ) -> Steered:
         """See Steering."""
+        memory = self.learn(memory)
         gap = state.t_boot - memory.state.t_boot
         if dt == 0.0 or gap > GAP_MAX:
             memory = self._again(memory, state)
@@ -192,6 +197,14 @@ class RateSteering:
             ),
         )
 
+    def learn(self, memory: RateMemory) -> RateMemory:
+        """See Steering."""
+        seen = memory.to_learn
+        if seen is None:
+            return memory
+        known = observed(memory.observed, seen, self.vehicle.gravity)
+        return memory._replace(observed=known, p_n=known.belief.p_n, v_n=known.belief.v_n, to_learn=None)
+
     def _asked(self, flying: Flying, aim: Aim) -> Command:
         return self.law(flying, aim.ramp) if isinstance(aim, Along) else self.hold(flying, *aim)
 
@@ -263,7 +276,8 @@ class RateSteering:
         inner = Inner(state.w_b, (0.0, 0.0, 0.0), vehicle.gravity / (upright * known.belief.kappa))
         first = Sent(-math.inf, state.w_b, inner.lift)
         lag = first_lag(self.lag, state.w_b, self.response.lag)
-        return RateMemory(state, known, inner, (first,), vehicle.weight / upright, lag=lag)
+        p_n, v_n = known.belief.p_n, known.belief.v_n
+        return RateMemory(state, known, p_n, v_n, inner, (first,), vehicle.weight / upright, lag=lag)
 
     def _seen(self, memory: RateMemory, state: VehicleState, gap: float) -> RateMemory:
         """What is known with a new state, ``gap`` s after the last one."""
@@ -274,10 +288,9 @@ class RateSteering:
         old, new = before.r_nb, state.r_nb
         half = 0.5 * lift
         lift_n = (half * (old[2] + new[2]), half * (old[5] + new[5]), half * (old[8] + new[8]))
-        known = observed(
-            memory.observed, gap, lift_n, self.vehicle.gravity, state.p_n, state.v_n,
-            limited=memory.limited, jumped=state.resets != before.resets, moving=memory.moving,
-        )  # fmt: skip
+        known, jumped = memory.observed, state.resets != before.resets
+        seen = Seen(gap, lift_n, state.p_n, state.v_n, memory.limited, jumped, memory.moving)
+        p_n, v_n = expected(known.belief, seen, self.vehicle.gravity)
         sent = memory.sent
         past = 0
         while past + 1 < len(sent) and sent[past + 1].at <= now - KEPT:
@@ -287,7 +300,10 @@ class RateSteering:
             lag = begun_anew(memory.lag, state.w_b)
         else:
             lag = followed_lag(memory.lag, self.response.motor_lag, sent, now, state.w_b)
-        return memory._replace(state=state, observed=known, inner=inner, sent=sent[past:], lag=lag)
+        memory = memory._replace(
+            state=state, p_n=p_n, v_n=v_n, to_learn=seen, inner=inner, sent=sent[past:], lag=lag
+        )  # fmt: skip
+        return memory if can_wait(known, seen, p_n, v_n) else self.learn(memory)
 
     def _response(self, memory: RateMemory) -> Response:
         """The vehicle's response as found, on a grid of a millisecond."""
@@ -309,8 +325,8 @@ class RateSteering:
         known = Known(belief.kappa, belief.drag, belief.disturbance_n, self.vehicle.gravity)
         state = memory.state
         return predicted(
-            belief.p_n,
-            belief.v_n,
+            memory.p_n,
+            memory.v_n,
             state.q_nb,
             memory.inner,
             known,

@@ -85,6 +85,10 @@ class Steering(Protocol):
         the estimates stand still. ``link_delay``: s, there and back, as measured; None where it is not known.
         """
 
+    def learn(self, memory: SteeringMemory) -> SteeringMemory:
+        """What the last step's state teaches of the vehicle, taken in. It does not feed that step's setpoint, so it is
+        best done when that is on its way; the next step does it where it was not."""
+
     def level(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> Setpoint:
         """A setpoint that levels and hovers: from a fresh state, or from none (then it asks for no turning).
         ``memory``: of the flight so far, if there was one."""
