@@ -29,3 +29,17 @@ def test_a_shipped_mission_settles_as_it_is_shipped(name: str) -> None:
         assert settled["path_error_m"]["max"] < 0.01
         assert settled["speed_error_mps"]["rms"] < 0.02 * mean
         assert settled["yaw_error_deg"]["rms"] < 1.0
+
+
+@pytest.mark.parametrize("seed", [2, 10])
+def test_the_storm_is_flown_in(seed: int) -> None:
+    """The thrust is known within four seconds of its gusts, and the circle is held to half a metre."""
+    told = CliRunner().invoke(
+        app, ["sim", "circle", "--world", "storm", "--seed", str(seed), "--duration", "6", "--settle", "3", "--json"]
+    )
+    assert told.exit_code == 0, told.output
+    flight = json.loads(told.stdout)
+    assert flight["outcome"] == "completed"
+    (settled,) = [phase for phase in flight["phases"] if phase["phase"] == "settle"]
+    assert settled["to_s"] - settled["from_s"] < 4.0
+    assert flight["settled"]["path_error_m"]["max"] < 0.5
