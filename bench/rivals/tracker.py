@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,10 +29,11 @@ YAW, YAW_RATE_MAX, YAW_DIVISOR = 1.5, 1.5, 0.2
 
 
 class TrackerMemory(NamedTuple):
-    """The law's own memory, and the stamp at which the timetable began."""
+    """The law's own memory, the stamp at which the timetable began, and the time on it at which the last command acts."""
 
     rates: RateMemory
     begun: float | None = None
+    acts: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -51,20 +51,22 @@ class Tracker:
         self, memory: TrackerMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
     ) -> Steered:
         """See Steering."""
-        begun = memory.begun
+        rates, begun, _ = self.learn(memory)
         if begun is None and isinstance(aim, Along) and dt > 0.0:
             begun = state.t_boot
         t = 0.0 if begun is None else state.t_boot - begun
         delay = self.rates.vehicle.link_delay if link_delay is None else link_delay
         acts = t + delay + 0.5 * dt + self.rates.response.lag
-        moments = iter((self.course.at(acts), self.course.at(acts + SLOPE_OVER)))
-        tracking = dataclasses.replace(self.rates, law=Tracking(moments, self.rates))
-        steered = tracking.steer(memory.rates, state, dt, aim, link_delay)
-        return steered._replace(memory=TrackerMemory(steered.memory, begun))
+        steered = self._for(acts).steer(rates, state, dt, aim, link_delay)
+        return steered._replace(memory=TrackerMemory(steered.memory, begun, acts))
 
     def learn(self, memory: TrackerMemory) -> TrackerMemory:
         """See Steering."""
-        return memory._replace(rates=self.rates.learn(memory.rates))
+        return memory._replace(rates=self._for(memory.acts + SLOPE_OVER).learn(memory.rates))
+
+    def _for(self, t: float) -> RateSteering:
+        """The law's steering, asking for the moment ``t`` of the timetable."""
+        return dataclasses.replace(self.rates, law=Tracking(self.course.at(t), self.rates))
 
     def level(self, state: VehicleState | None, memory: TrackerMemory | None = None) -> Setpoint:
         """See Steering."""
@@ -79,15 +81,14 @@ def tracking(plan: Plan, course: Course) -> Tracker:
 
 @dataclass(frozen=True)
 class Tracking:
-    """What the timetable asks for, in the place of a path's law. It is asked twice a tick: for the moment at which the
-    command acts, and for one a little later, which tells how the yaw rate is about to change."""
+    """What the timetable asks for at a moment, in the place of a path's law."""
 
-    moments: Iterator[Moment]
+    moment: Moment
     rates: RateSteering
 
     def __call__(self, flying: Flying, ramp: Ramp) -> Command:
         """See Law."""
-        moment = next(self.moments)
+        moment = self.moment
         vehicle = self.rates.vehicle
         m, g, c = vehicle.mass, vehicle.gravity, flying.drag
         R, v, d = flying.r_nb, flying.v_n, flying.disturbance

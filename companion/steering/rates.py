@@ -21,6 +21,7 @@ from companion.estimation.observer import Observed, Prior, Seen, can_wait, expec
 from companion.estimation.prediction import Ahead, Known, predicted
 from companion.estimation.response import YAW_TORQUE_LAG, Inner, Response, Sent, corrected, followed
 from companion.frames import Heading, Quaternion, Vec3, rotation_matrix, turned, upright_error, wrap
+from companion.law.bare import LawError
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
@@ -67,8 +68,9 @@ class RateMemory(NamedTuple):
     ``sent``: the commands that act at or after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the
     last command met a limit. ``yaw_sum``: rad/s, what a heading error that stays has added up to. ``pace``: see there.
     ``moving``: whether it was told to fly somewhere. ``lag``: of its rate loop, as found. ``delay``: s from a state to
-    the effect of its command on the motors, as followed; None before the first step. ``sloped``: rad/s^2, the slope of
-    the yaw rate where the last step took it, None where it is to be taken."""
+    the effect of its command on the motors, as followed; None before the first step. ``slope``: rad/s^2, of the yaw
+    rate, as last taken. ``asked``: where it is to be taken next: at what was asked of the law, and what it answered.
+    """
 
     state: VehicleState
     observed: Observed
@@ -84,7 +86,8 @@ class RateMemory(NamedTuple):
     moving: bool = False
     lag: Lag = first_lag(0.06, (0.0, 0.0, 0.0))
     delay: float | None = None
-    sloped: float | None = None
+    slope: float = 0.0
+    asked: tuple[Flying, Command, Aim] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,11 +155,8 @@ class RateSteering:
         later, slope, bound = self.range.integrated(zeta, command.zeta_derivative, dt, highest)
         p, q, r = command.turn
         yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
-        # every other step is often enough for a slope
-        held_slope = None if dt == 0.0 else memory.sloped
-        slope_r = self._yaw_slope(flying, command, aim) if held_slope is None else held_slope
         lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag) + smoothing
-        r += (lead - lag) * slope_r - memory.inner.yaw_trim - yaw_sum
+        r += (lead - lag) * memory.slope - memory.inner.yaw_trim - yaw_sum
         # yaw is turned by torque that thrust and tilting may need when it comes: near the top it waits
         share = (zeta + slope * YAW_TORQUE_LAG) / (vehicle.mass * most_lift) * THRUST_MAX
         share += TILT_SHARE * (abs(p - there.w_b[0]) + abs(q - there.w_b[1]))
@@ -178,7 +178,8 @@ class RateSteering:
         after = memory._replace(
             sent=sent, zeta=later, yaw_sum=yaw_sum, pace=pace, limited=limited or thrust > STRAINED,
             delay=acts_after,
-            sloped=slope_r if held_slope is None else None,
+            # every other step is often enough for a slope
+            asked=(flying, command, aim) if memory.asked is None else None,
             moving=isinstance(aim, Along) and abs(command.alpha * aim.ramp.factor) > MOVING,
         )  # fmt: skip
         return Steered(
@@ -199,11 +200,14 @@ class RateSteering:
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
-        seen = memory.to_learn
+        seen, asked = memory.to_learn, memory.asked
         if seen is None:
             return memory
         known = observed(memory.observed, seen, self.vehicle.gravity)
-        return memory._replace(observed=known, p_n=known.belief.p_n, v_n=known.belief.v_n, to_learn=None)
+        slope = memory.slope if asked is None else self._yaw_slope(*asked)
+        return memory._replace(
+            observed=known, p_n=known.belief.p_n, v_n=known.belief.v_n, to_learn=None, slope=slope
+        )  # fmt: skip
 
     def _asked(self, flying: Flying, aim: Aim) -> Command:
         return self.law(flying, aim.ramp) if isinstance(aim, Along) else self.hold(flying, *aim)
@@ -218,7 +222,7 @@ class RateSteering:
     def _yaw_slope(self, flying: Flying, command: Command, aim: Aim) -> float:
         """rad/s^2, how the yaw rate the law asks for is about to change: asked again, a moment later in the motion it
         wants, the heading error as it is. PX4's yaw loop is several times slower than the tilting ones and needs this
-        lead."""
+        lead; none where the law is not defined then, which it will say itself when it comes there."""
         h, vehicle = SLOPE_OVER, self.vehicle
         r, lift = flying.r_nb, flying.zeta / vehicle.mass
         (x, y, z), (vx, vy, vz), (dx, dy, dz), c = flying.p_n, flying.v_n, flying.disturbance, flying.drag
@@ -234,7 +238,10 @@ class RateSteering:
             r_nb=turned(r, (p, q, s), h),
             zeta=max(flying.zeta + h * command.zeta_derivative, 0.5 * flying.zeta),
         )
-        return (self._asked(later, aim).turn[2] - command.turn[2]) / h
+        try:
+            return (self._asked(later, aim).turn[2] - command.turn[2]) / h
+        except LawError:
+            return 0.0
 
     def level(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
         """See Steering."""
