@@ -86,7 +86,7 @@ class Bridge:
             self._begin_in_flight(start or HOVER, world)
         boot = Boot() if landed else None
         self.links = [
-            Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot))
+            Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot), boots=landed)
             for rates in (ONBOARD, GROUND_STATION)[:endpoints]
         ]
         self._up = Passage(world.link.up, seed, Cause.UP) if world.link.up else None

@@ -50,6 +50,22 @@ def rate(client: Client, name: str, seconds: float, endpoint: int = 0) -> float:
     return len(client.all(name, endpoint, since=start)) / seconds
 
 
+def test_what_px4_says_unasked_at_boot() -> None:
+    client = Client("sih", landed=True)
+    client.run(4.0)
+    for endpoint in (0, 1):
+        told = client.all("PARAM_VALUE", endpoint)
+        assert len(told) == 16
+        assert (told[0]["param_id"], told[-1]["param_id"]) == ("CAL_ACC0_ID", "SYS_AUTOSTART")
+        grabs = client.all("COMMAND_LONG", endpoint)
+        assert [(said["command"], said["target_system"], said["confirmation"]) for said in grabs] == [
+            (211, 0, confirmation) for confirmation in range(4)
+        ]
+    flying = Client("sih")
+    flying.run(4.0)
+    assert not flying.all("PARAM_VALUE") and not flying.all("COMMAND_LONG")
+
+
 @pytest.mark.parametrize("vehicle", ["sih", "paper"])
 def test_default_rates_are_px4s(vehicle: str) -> None:
     client = Client(vehicle)

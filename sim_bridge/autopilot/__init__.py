@@ -26,6 +26,7 @@ commands    what it answers to commands
 events      what is said in numbers beside the texts
 event_table what the events mean, for ground stations
 health_report  in which modes it could be armed and flown, and why not
+greeting    what is said unasked at boot
 file_link   files over MAVLink
 link        one endpoint: bytes in, bytes out
 """

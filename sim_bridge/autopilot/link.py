@@ -13,6 +13,7 @@ from sim_bridge.autopilot.commander import Result, Severity, Text
 from sim_bridge.autopilot.commands import SET_MODE, Command, execute, is_integer_max, place_given, set_mode, stray
 from sim_bridge.autopilot.commands.parts import GROUND_STATION_COMPONENT
 from sim_bridge.autopilot.file_link import FileLink
+from sim_bridge.autopilot.greeting import Greeting
 from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
 from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
 from sim_bridge.autopilot.missions.protocol import MissionLink
@@ -52,9 +53,10 @@ class Link:
     """A link to one peer. ``outbox``: the datagrams to send, oldest first. Commands for others are not answered.
 
     ``alter``: what a world's events make of a message (by its id) that is streamed; None: it is not sent.
+    ``boots``: the vehicle has just been switched on.
     """
 
-    def __init__(self, autopilot: Autopilot, streams: Streams) -> None:
+    def __init__(self, autopilot: Autopilot, streams: Streams, *, boots: bool = False) -> None:
         self._autopilot = autopilot
         self._streams = streams
         self._encoder = Encoder(SYSTEM, COMPONENT)
@@ -63,6 +65,7 @@ class Link:
             autopilot.missions, autopilot.mission, SYSTEM, self.emit, autopilot.commander.texts.append
         )  # fmt: skip
         self._events = events.EventLink(autopilot.events, SYSTEM, self.emit)
+        self._greeting = Greeting(self._parameters.tell, self.emit) if boots else None
         self._builders = BUILDERS | {_LINK_NODE_STATUS.id: (_LINK_NODE_STATUS, self._link_node_status)}
         self._editions: dict[int, object] = {}
         self._texts = 0
@@ -137,6 +140,8 @@ class Link:
             self._parameters.poll(now_us)
             self._missions.poll(now_us)
             self._events.poll(now_us)
+            if self._greeting is not None:
+                self._greeting.poll(now_us)
 
     def emit(self, fmt: Format, values: tuple[Value, ...]) -> None:
         """Queue a message."""

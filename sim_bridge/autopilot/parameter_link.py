@@ -50,7 +50,7 @@ class ParameterLink:
                 self._changed_at_us = now_us
             elif now_us - self._changed_at_us >= BROADCAST_AFTER_US:
                 for name in dict.fromkeys(changes[self._told :]):
-                    self._tell(name)
+                    self.tell(name)
                 self._told = len(changes)
                 self._changed_at_us = None
 
@@ -62,7 +62,7 @@ class ParameterLink:
         if index >= 0:
             names = self._parameters.names
             if index < len(names):
-                self._tell(names[index])
+                self.tell(names[index])
             else:
                 self._refuse(frame, DOES_NOT_EXIST, "", index)
             return
@@ -70,7 +70,7 @@ class ParameterLink:
         if name == HASH:
             self._tell_hash()
         elif name in self._parameters:
-            self._tell(name)
+            self.tell(name)
         else:
             self._refuse(frame, DOES_NOT_EXIST, name)
 
@@ -95,7 +95,7 @@ class ParameterLink:
             self._refuse(frame, TYPE_MISMATCH, name)
         else:
             self._parameters.unpack(name, _value_bytes(frame))
-            self._tell(name)
+            self.tell(name)
 
     def _list(self) -> None:
         names = self._parameters.names
@@ -105,10 +105,11 @@ class ParameterLink:
             if self._listed < 0:
                 self._tell_hash()
             else:
-                self._tell(names[self._listed])
+                self.tell(names[self._listed])
             self._listed = self._listed + 1 if self._listed + 1 < len(names) else None
 
-    def _tell(self, name: str) -> None:
+    def tell(self, name: str) -> None:
+        """Send a value."""
         parameters = self._parameters
         kind = INT32 if parameters.is_integer(name) else REAL32
         self._value(name, parameters.packed(name), kind, parameters.index[name])
