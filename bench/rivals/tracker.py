@@ -29,7 +29,7 @@ YAW, YAW_RATE_MAX, YAW_DIVISOR = 1.5, 1.5, 0.2
 
 
 class TrackerMemory(NamedTuple):
-    """The law's own memory, the stamp at which the timetable began, and the time on it at which the last command acts."""
+    """The law's own memory, the stamp at which the timetable began, the time on it at which the last command acts."""
 
     rates: RateMemory
     begun: float | None = None
