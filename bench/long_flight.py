@@ -28,7 +28,7 @@ from companion.cli.simulate import Simulation, over_udp
 from companion.config.world import load_world
 from companion.daemon.address import UdpPort
 from companion.daemon.realtime import PRIORITY, at_priority
-from companion.daemon.rehearsal import STATE_ID
+from companion.daemon.urgency import STATE_ID
 from companion.mavlink.dialect import message
 
 LONG = 0.020

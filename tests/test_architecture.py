@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 from pathlib import Path
 
 import pytest
@@ -115,3 +116,9 @@ def test_nothing_sleeps_in_the_flight() -> None:
         if room(path) == "services":  # off the control path
             continue
         assert "time.sleep" not in path.read_text(encoding="utf-8"), path
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "bench").rglob("*.py")), ids=lambda path: path.name)
+def test_a_benchmark_finds_what_it_imports(path: Path) -> None:
+    """Nobody runs them all at every change."""
+    importlib.import_module(".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"))
