@@ -103,8 +103,10 @@ def _in_rotorpy(sortie: Sortie) -> Figures:
 
 
 def _sih() -> Place:
-    """Nothing known but a hover thrust of 0.5; the true one is 0.4905."""
-    return Place(dataclasses.replace(load_vehicle("sih"), drag=0.0), load_world("sih"))
+    """Nothing known but a hover thrust of 0.5 (the true one is 0.4905): neither its drag nor anything else."""
+    known, world = load_vehicle("sih"), load_world("sih")
+    truth = dataclasses.replace(world.truth, drag=known.drag)
+    return Place(dataclasses.replace(known, drag=0.0), dataclasses.replace(world, truth=truth))
 
 
 def _sih_rough() -> Place:

@@ -21,7 +21,7 @@ from companion.paths.arc import ArcTable
 
 SPACING = 0.4
 """m between the places looked at."""
-PLANNED, BRAKING, RECOVERING = 1.0, 1.5, 1.0
+PLANNED, BRAKING, RECOVERING = 1.0, 1.5, 1.5
 """m/s^2: what is counted on to slow down in time, at which the speed gives way at most, and at which it comes back."""
 LOOK_MIN = 0.5
 """s of flight that are looked ahead even when standing still is near."""

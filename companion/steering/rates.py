@@ -40,6 +40,9 @@ YAW_LEAD, YAW_LEAD_OVER_LAG = 0.36, 6.0
 """s, how much earlier than it is wanted a yaw rate is asked for: the lag of PX4's yaw loop for what turns at 1 to 3
 rad/s. A vehicle whose other rate loops are quicker than PX4's usual ones is not led by more than so many of their lags.
 """
+YAW_ONCE_MORE = 1.0
+"""Of a missing yaw rate, for PX4's usual loops: it doubles the gain of a soft yaw loop, which would leave a heading
+that gusts have turned away for long. Up to 1 no loop that is stable by itself is made unstable by it."""
 YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.07, 0.3, 0.3
 """Of the square of the yaw gain (a quarter would put both poles of the heading at half the gain); rad/s; rad of error
 within which it is summed."""
@@ -155,8 +158,10 @@ class RateSteering:
         later, slope, bound = self.range.integrated(zeta, command.zeta_derivative, dt, highest)
         p, q, r = command.turn
         yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
-        lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag) + smoothing
-        r += (lead - lag) * memory.slope - memory.inner.yaw_trim - yaw_sum
+        yaw_lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag)
+        # what the yaw rate will be short of is asked for once more
+        r += (yaw_lead + smoothing - lag) * memory.slope + YAW_ONCE_MORE * yaw_lead / YAW_LEAD * (r - there.w_b[2])
+        r -= memory.inner.yaw_trim + yaw_sum
         # yaw is turned by torque that thrust and tilting may need when it comes: near the top it waits
         share = (zeta + slope * YAW_TORQUE_LAG) / (vehicle.mass * most_lift) * THRUST_MAX
         share += TILT_SHARE * (abs(p - there.w_b[0]) + abs(q - there.w_b[1]))
