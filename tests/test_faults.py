@@ -148,6 +148,13 @@ def test_the_link_is_cut(mission: str, level: OutputLevel, seconds: float) -> No
     assert max(sent) - min(sent) <= LEVEL_FOR + 0.01
 
 
+def test_what_a_dead_link_does_not_set_back_is_said() -> None:
+    watched = fly(cut(60.0))
+    assert watched.flown.conductor.done
+    told = [note for note in watched.flown.notes if note.startswith("COM_OF_LOSS_T") and "set" in note]
+    assert told == ["COM_OF_LOSS_T may still be 0.3: the vehicle did not answer; set it back to 1"]
+
+
 @pytest.mark.parametrize(("mission", "level"), FLOWN)
 def test_a_third_of_everything_is_lost(mission: str, level: OutputLevel) -> None:
     watched = fly(mission=mission, level=level, link=Link(Way(loss=0.3), Way(loss=0.3)))

@@ -111,7 +111,7 @@ class Conductor:
     @property
     def done(self) -> bool:
         """Whether there is nothing left to do."""
-        return self._over and not (self._preparation.changed and not self.parameters.settled)
+        return self._over and not self._preparation.changed
 
     @property
     def refusal(self) -> str | None:
@@ -161,6 +161,7 @@ class Conductor:
         for _, text in self.link.texts:
             self.notes.append(f"vehicle: {text}")
         self.link.texts.clear()
+        self._preparation.restored()
         self._counted(count, now)
         if state is not None or answer is not None or self.telemetry.status is not status:
             self._tick(state, answer, now, max(count - 1, 0))
@@ -182,6 +183,7 @@ class Conductor:
         self._now = now
         self.link.on_timer(now)
         self.parameters.on_timer(now)
+        self._preparation.restored()
         self.ground.on_timer(now)
         if now >= self._wake_at:
             self._tick(None, None, now)

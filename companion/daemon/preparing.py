@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from companion.daemon.conducting import conducted
@@ -27,7 +28,8 @@ IDENTITY_WITHIN = 5.0
 @dataclass
 class Preparation:
     """What is found out before a flight. ``notes``: lines for people. ``refusal``: why there will be none, in a
-    sentence. ``changed``: parameters set for the flight, and what they were. ``heard_at``: s, the first heartbeat."""
+    sentence. ``changed``: parameters set for the flight and not yet back, and what they were. ``restoring``: whether
+    they are being set back. ``heard_at``: s, the first heartbeat."""
 
     link: Link
     telemetry: Telemetry
@@ -35,6 +37,7 @@ class Preparation:
     notes: list[str]
     refusal: str | None = None
     changed: dict[str, float] = field(default_factory=dict)
+    restoring: bool = False
     heard_at: float | None = None
     choice: output.Choice | None = None
 
@@ -69,9 +72,22 @@ class Preparation:
 
     def restore(self, now: float) -> None:
         """Set back what was set for the flight."""
+        self.restoring = True
         for name, was in self.changed.items():
             self.parameters.change(name, was, now)
-            self.notes.append(f"{name} set back to {was:g}")
+
+    def restored(self) -> None:
+        """Say what the vehicle has made of being set back, once that is known."""
+        if not self.restoring or not self.parameters.settled:
+            return
+        self.restoring = False
+        for name, was in self.changed.items():
+            held = self.parameters.value(name)
+            if held is not None and math.isclose(held, was, rel_tol=1e-6):
+                self.notes.append(f"{name} set back to {was:g}")
+            else:
+                self.notes.append(f"{name} may still be {held:g}: the vehicle did not answer; set it back to {was:g}")
+        self.changed.clear()
 
     def _made(self, orders: Orders, state: VehicleState, now: float) -> Plan | None:
         tuning, vehicle = self.parameters.tuning(), orders.vehicle
