@@ -323,6 +323,23 @@ def test_the_lag_of_the_rate_loop_is_found(true: float) -> None:
     assert lag.value == pytest.approx(true, rel=0.12)
 
 
+@pytest.mark.parametrize(("true", "found"), [(1.04, 1.04), (0.95, 1.0), (1.3, 1.1)])
+def test_the_gain_of_the_rate_loop_is_found(true: float, found: float) -> None:
+    """A loop that overshoots, told less by what is known of it; one that falls short is never told more."""
+    rng = random.Random(6)
+    inner, response, lag = Inner(STILL, STILL, G), Response(0.071, 0.05), first_lag(0.071, STILL)
+    meant = told = (Sent(0.0, STILL, G),)
+    for k in range(3000):
+        t = 0.01 * k
+        inner, _ = followed(inner, response, told, t, t + 0.01)
+        gyro = (true * inner.w_b[0] + rng.gauss(0, 0.01), true * inner.w_b[1] + rng.gauss(0, 0.01), 0.0)
+        lag = followed_lag(lag, 0.05, meant, t + 0.01, gyro)
+        p, q = 0.4 * math.sin(1.2 * t), 0.4 * math.cos(1.2 * t)
+        meant = (*meant[-8:], Sent(t + 0.015, (p, q, 0.0), G))
+        told = (*told[-8:], Sent(t + 0.015, (p / lag.gain, q / lag.gain, 0.0), G))
+    assert lag.gain == pytest.approx(found, abs=0.005)
+
+
 def test_in_a_hover_the_lag_stays_as_believed() -> None:
     rng = random.Random(5)
     lag, sent = first_lag(0.071, STILL), (Sent(0.0, STILL, G),)
@@ -330,6 +347,7 @@ def test_in_a_hover_the_lag_stays_as_believed() -> None:
         gyro = (rng.gauss(0, 0.01), rng.gauss(0, 0.01), rng.gauss(0, 0.01))
         lag = followed_lag(lag, 0.05, sent, 0.01 * k + 0.01, gyro)
     assert lag.value == pytest.approx(0.071, rel=1e-6)
+    assert lag.gain == 1.0
 
 
 def test_a_lag_is_sought_within_reason() -> None:

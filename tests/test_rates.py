@@ -38,8 +38,8 @@ def test_an_attitude_is_what_px4_turns_back_into_the_rates() -> None:
 
 
 def test_in_a_fast_turn_px4_flies_the_rates_that_were_meant() -> None:
-    """Its loop smooths the attitude it is sent: what it then asks of its rate loop is what steering meant, a moment
-    ago, neither more nor less."""
+    """Its loop smooths the attitude it is sent: what it then asks of its rate loop is what steering meant of it, a
+    moment ago, neither more nor less."""
     bridges: list[Bridge] = []
     meant: list[Vec3] = []
     asked: list[tuple[float | None, ...]] = []
@@ -47,7 +47,8 @@ def test_in_a_fast_turn_px4_flies_the_rates_that_were_meant() -> None:
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory = conductor.memory
         if memory is not None and memory.steering is not None and truth.t_boot > 10.0:
-            meant.append(memory.steering.sent[-1].rates_b)
+            (p, q, r), gain = memory.steering.sent[-1].rates_b, memory.steering.lag.gain
+            meant.append((p / gain, q / gain, r))
             asked.append(bridges[0].autopilot.cascade.rates_wanted)
 
     done = measured(

@@ -1,8 +1,11 @@
-"""The lag of the vehicle's rate loop, found from how its body rates follow what was sent.
+"""The lag and the gain of the vehicle's rate loop, found from how its body rates follow what was meant.
 
 Three models run side by side with lags L/d, L and L d, driven by the commands alone. Whichever misses the gyro least
 says where the lag is: a parabola through their mean squared misses, over the logarithm of the lag, has its bottom
 there. Noise misses all three alike and a wrong gain turns at right angles to a wrong lag, so neither moves the bottom.
+
+The integral of PX4's rate loop lets it overshoot what changes slowly, by a few percent. How much more the vehicle turns
+than the middle model is its gain, and so much less is sent than is meant.
 """
 
 from __future__ import annotations
@@ -22,6 +25,8 @@ TELLING = (5e-4) ** 2
 SHORTEST, LONGEST = 0.9, 1.6
 """Times the first belief: between these the lag is sought. A slow course shows the lag of slow commands only, which the
 integral of PX4's rate loop shortens, and the loop is closed over the fast ones too."""
+GAIN_MAX, GAIN_TELLING = 1.1, 0.2**2
+"""The gain that is believed, never less than 1; (rad/s)^2: how much must be turned before it is looked for."""
 PERIOD, GAP_MAX = 0.024, 0.06
 """s between two looks, which is often enough; and without a state, after which the models begin anew."""
 
@@ -32,7 +37,8 @@ Axes = tuple[float, float, float, float]
 class Lag(NamedTuple):
     """``value``: s. ``first``: s, the belief it began with. ``models``: with shorter, this and longer lag; ``misses``:
     their mean squares. ``ran``: s since the models began anew. ``at``: s,
-    the vehicle's clock, of the last look."""
+    the vehicle's clock, of the last look. ``gain``: of the rate loop, by which less is sent than is meant. ``alike``,
+    ``turned``: (rad/s)^2, means of gyro times middle model and of the middle model squared."""
 
     value: float
     first: float
@@ -40,6 +46,9 @@ class Lag(NamedTuple):
     misses: Vec3 = (0.0, 0.0, 0.0)
     ran: float = 0.0
     at: float = -math.inf
+    gain: float = 1.0
+    alike: float = 0.0
+    turned: float = 0.0
 
 
 def first_lag(value: float, w_b: Vec3, first: float | None = None) -> Lag:
@@ -57,7 +66,7 @@ def begun_anew(lag: Lag, w_b: Vec3) -> Lag:
 def followed_lag(lag: Lag, motor_lag: float, sent: tuple[Sent, ...], now: float, w_b: Vec3) -> Lag:
     """``lag`` after the commands in force until ``now`` (s, the vehicle's clock) and a look at the gyro (rad/s).
 
-    Of ``sent`` the commands of the last PERIOD are needed.
+    Of ``sent`` the commands of the last PERIOD are needed, as they were meant.
     """
     dt = now - lag.at
     if dt < PERIOD:
@@ -88,7 +97,13 @@ def followed_lag(lag: Lag, motor_lag: float, sent: tuple[Sent, ...], now: float,
         towards = 0.5 * APART * (short - long) / depth if inside else math.copysign(APART, short - long)
         value *= math.exp(towards * dt / FOLLOW_TIME)
         value = max(lag.first * SHORTEST, min(lag.first * LONGEST, value))
-    return Lag(value, lag.first, models, (short, middle, long), ran, now)
+    alike = lag.alike + k * (b[0] * p + b[2] * q - lag.alike)
+    turned = lag.turned + k * (b[0] * b[0] + b[2] * b[2] - lag.turned)
+    gain = lag.gain
+    if turned > GAIN_TELLING:
+        gain *= 1.0 + (alike / turned - 1.0) * dt / FOLLOW_TIME
+        gain = max(1.0, min(GAIN_MAX, gain))
+    return Lag(value, lag.first, models, (short, middle, long), ran, now, gain, alike, turned)
 
 
 def _run(model: Axes, lag: float, motor_lag: float, sent: tuple[Sent, ...], begin: float, dt: float) -> Axes:

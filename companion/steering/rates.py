@@ -160,7 +160,7 @@ class RateSteering:
         yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
         yaw_lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag)
         # what the yaw rate will be short of is asked for once more
-        r += (yaw_lead + smoothing - lag) * memory.slope + YAW_ONCE_MORE * yaw_lead / YAW_LEAD * (r - there.w_b[2])
+        r += (yaw_lead - lag) * memory.slope + YAW_ONCE_MORE * yaw_lead / YAW_LEAD * (r - there.w_b[2])
         r -= memory.inner.yaw_trim + yaw_sum
         # yaw is turned by torque that thrust and tilting may need when it comes: near the top it waits
         share = (zeta + slope * YAW_TORQUE_LAG) / (vehicle.mass * most_lift) * THRUST_MAX
@@ -169,6 +169,8 @@ class RateSteering:
         turning = there.w_b[2] - memory.inner.yaw_trim
         r = min(max(r, turning - room), turning + room)
         rates, clipped = self._clipped((0.0, 0.0, 0.0) if stuck else (p, q, r))
+        gain = memory.lag.gain
+        less = (rates[0] / gain, rates[1] / gain, rates[2])
         # thrust answers sooner than the rates do
         lift = (zeta + slope * (half - (lag - self.response.motor_lag))) / per_lift
         wanted = lift * self.hover_thrust / vehicle.gravity
@@ -188,7 +190,7 @@ class RateSteering:
             moving=isinstance(aim, Along) and abs(command.alpha * aim.ramp.factor) > MOVING,
         )  # fmt: skip
         return Steered(
-            setpoint=self.encoding.setpoint(rates, thrust, q_nb),
+            setpoint=self.encoding.setpoint(less, thrust, q_nb),
             memory=after,
             command=command,
             zeta=later,
