@@ -70,10 +70,10 @@ class RateMemory(NamedTuple):
     ``observed``: what was learned up to it, or up to the one before where ``to_learn`` is still to be learned from.
     ``sent``: the commands that act at or after it. ``zeta``: N, the thrust at the horizon. ``limited``: whether the
     last command met a limit. ``yaw_sum``: rad/s, what a heading error that stays has added up to. ``pace``: see there.
-    ``moving``: whether it was told to fly somewhere. ``lag``: of its rate loop, as found. ``delay``: s from a state to
-    the effect of its command on the motors, as followed; None before the first step. ``slope``: rad/s^2, of the yaw
-    rate, as last taken. ``asked``: where it is to be taken next: at what was asked of the law, and what it answered.
-    """
+    ``moving``: whether it was told to fly somewhere. ``lag``: of its rate loop, as found, and its ``response`` with
+    it. ``delay``: s from a state to the effect of its command on the motors, as followed; None before the first step.
+    ``slope``: rad/s^2, of the yaw rate, as last taken. ``asked``: where it is to be taken next: at what was asked of
+    the law, and what it answered."""
 
     state: VehicleState
     observed: Observed
@@ -82,12 +82,13 @@ class RateMemory(NamedTuple):
     inner: Inner
     sent: tuple[Sent, ...]
     zeta: float
+    lag: Lag
+    response: Response
     to_learn: Seen | None = None
     limited: bool = False
     yaw_sum: float = 0.0
     pace: Pace = Pace()
     moving: bool = False
-    lag: Lag = first_lag(0.06, (0.0, 0.0, 0.0))
     delay: float | None = None
     slope: float = 0.0
     asked: tuple[Flying, Command, Aim] | None = None
@@ -137,7 +138,7 @@ class RateSteering:
         acts_after = self._delay(memory.delay, link_delay, dt)
         half = 0.5 * dt  # a command is held until the next one
         smoothing = self.encoding.smoothing
-        lag = self._response(memory).lag  # with the smoothing
+        lag = memory.response.lag  # with the smoothing
         there = self._ahead(memory, acts_after + half + lag)
         zeta = memory.zeta
         flying = Flying(
@@ -210,10 +211,19 @@ class RateSteering:
         seen, asked = memory.to_learn, memory.asked
         if seen is None:
             return memory
+        state, lag, response = memory.state, memory.lag, memory.response
         known = observed(memory.observed, seen, self.vehicle.gravity)
         slope = memory.slope if asked is None else self._yaw_slope(*asked)
+        # what was clipped or held did not happen as it was sent
+        if seen.limited or known.stuck:
+            lag = begun_anew(lag, state.w_b)
+        else:
+            lag = followed_lag(lag, response.motor_lag, memory.sent, state.t_boot, state.w_b)
+        if lag.value != memory.lag.value:
+            response = _response(lag, response.motor_lag)
         return memory._replace(
-            observed=known, p_n=known.belief.p_n, v_n=known.belief.v_n, to_learn=None, slope=slope
+            observed=known, p_n=known.belief.p_n, v_n=known.belief.v_n, to_learn=None, slope=slope, lag=lag,
+            response=response,
         )  # fmt: skip
 
     def _asked(self, flying: Flying, aim: Aim) -> Command:
@@ -280,7 +290,8 @@ class RateSteering:
         kappa = (belief.kappa, math.sqrt(belief.variance(KAPPA)))
         drag = (belief.drag, math.sqrt(belief.variance(DRAG)))
         again = self._begun(state, Prior(kappa, drag))
-        return again._replace(lag=begun_anew(memory.lag, state.w_b), delay=memory.delay)
+        lag = begun_anew(memory.lag, state.w_b)
+        return again._replace(lag=lag, response=memory.response, delay=memory.delay)
 
     def _begun(self, state: VehicleState, prior: Prior) -> RateMemory:
         vehicle = self.vehicle
@@ -291,12 +302,13 @@ class RateSteering:
         first = Sent(-math.inf, state.w_b, inner.lift)
         lag = first_lag(self.lag, state.w_b, self.response.lag)
         p_n, v_n = known.belief.p_n, known.belief.v_n
-        return RateMemory(state, known, p_n, v_n, inner, (first,), vehicle.weight / upright, lag=lag)
+        response = _response(lag, self.response.motor_lag)
+        return RateMemory(state, known, p_n, v_n, inner, (first,), vehicle.weight / upright, lag, response)
 
     def _seen(self, memory: RateMemory, state: VehicleState, gap: float) -> RateMemory:
         """What is known with a new state, ``gap`` s after the last one."""
         before, now = memory.state, state.t_boot
-        inner, lift = followed(memory.inner, self._response(memory), memory.sent, before.t_boot, now)
+        inner, lift = followed(memory.inner, memory.response, memory.sent, before.t_boot, now)
         inner = corrected(inner, state.w_b, gap)
         # the thrust axis, a mean of both ends
         old, new = before.r_nb, state.r_nb
@@ -309,19 +321,10 @@ class RateSteering:
         past = 0
         while past + 1 < len(sent) and sent[past + 1].at <= now - KEPT:
             past += 1
-        # what was clipped or held did not happen as it was sent
-        if memory.limited or known.stuck:
-            lag = begun_anew(memory.lag, state.w_b)
-        else:
-            lag = followed_lag(memory.lag, self.response.motor_lag, sent, now, state.w_b)
         memory = memory._replace(
-            state=state, p_n=p_n, v_n=v_n, to_learn=seen, inner=inner, sent=sent[past:], lag=lag
+            state=state, p_n=p_n, v_n=v_n, to_learn=seen, inner=inner, sent=sent[past:]
         )  # fmt: skip
         return memory if can_wait(known, seen, p_n, v_n) else self.learn(memory)
-
-    def _response(self, memory: RateMemory) -> Response:
-        """The vehicle's response as found, on a grid of a millisecond."""
-        return Response(round(memory.lag.value, 3), self.response.motor_lag)
 
     def _delay(self, before: float | None, link_delay: float | None, dt: float) -> float:
         """s from a state to the effect of its command: the link there and back, and PX4's next step. It changes
@@ -344,7 +347,7 @@ class RateSteering:
             state.q_nb,
             memory.inner,
             known,
-            self._response(memory),
+            memory.response,
             memory.sent,
             state.t_boot,
             horizon,
@@ -360,6 +363,11 @@ class RateSteering:
         p, q, r = turn
         clipped = (min(max(p, -p_most), p_most), min(max(q, -q_most), q_most), min(max(r, -r_most), r_most))
         return clipped, clipped[:2] != (p, q)
+
+
+def _response(lag: Lag, motor_lag: float) -> Response:
+    """The vehicle's response as found, on a grid of a millisecond."""
+    return Response(round(lag.value, 3), motor_lag)
 
 
 def rate_steering(
