@@ -25,6 +25,7 @@ from companion.record.report.page import page
 from companion.record.report.style import drawing
 from companion.record.report.svg import inline
 from companion.record.report.thinning import along, kept
+from companion.record.summary import summary
 from companion.vehicle import CompanionError, OutputLevel
 
 HOSTILE = "<script>alert('x')</script>&\"<img src=x onerror=alert(1)>"
@@ -202,6 +203,23 @@ def test_an_aborted_flight_says_why(copy: Path) -> None:
     assert re.search(
         r'<p class="outcome aborted">Aborted after following the path for 8\.00\s?s .*: state is stale\.', text
     )
+
+
+def test_while_the_pilot_has_it_nothing_is_followed_and_nothing_is_late(flown: Path) -> None:
+    """He takes it for 6 s: no gap between setpoints, no following, and what comes after settles anew."""
+    table, plan = np.load(flown / "flight.npy"), gathered(flown).plan
+    whole = summary(plan, table, None, 1.0, "completed", None, None)
+    followed = np.flatnonzero(table["phase"] == list(Phase).index(Phase.FOLLOW))
+    middle = followed[len(followed) // 2]
+    table["phase"][middle - 10 : middle] = list(Phase).index(Phase.STAND_BY)
+    for clock in ("t_boot", "now"):
+        table[clock][middle:] += 6.0
+    table["speed"][middle : middle + 100] = 0.0  # from a hover again
+    parted = summary(plan, table, None, 1.0, "completed", None, None)
+    assert parted["loop"]["gap_max_ms"] == pytest.approx(whole["loop"]["gap_max_ms"])
+    assert parted["follow"]["duration_s"] == pytest.approx(whole["follow"]["duration_s"], abs=0.1)
+    assert parted["follow"]["speed_error_mps"]["max"] > 1.9
+    assert parted["settled"]["speed_error_mps"]["max"] <= whole["settled"]["speed_error_mps"]["max"]
 
 
 def test_a_killed_flight_is_told_from_its_record(copy: Path) -> None:

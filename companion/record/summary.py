@@ -41,7 +41,7 @@ def summary(
         "settled": _settled(told, plan, settle),
     }
     if truth is not None:
-        true = _true(plan, table, truth)
+        true = _true(plan, told, truth)
         result["truth"] = {"follow": _figures(true, plan), "settled": _settled(true, plan, settle)}
     result["loop"] = _loop(table)
     result["found"] = found(told)
@@ -51,11 +51,18 @@ def summary(
 
 
 def _told(table: Table) -> dict[str, Array]:
-    """The followed part of a flight, one entry a steered tick. ``t``: s since following began. ``speed``: on the way
-    back counted as on the way out."""
-    rows = table[(table["phase"] == FOLLOW) & np.isfinite(table["alpha"])]
+    """The followed part of a flight, one entry a steered tick. ``stretch``: a pilot may take over and give back.
+    ``t``: s of following; ``since``: s since following began, or began again. ``speed``: on the way back counted as on
+    the way out."""
+    steered = (table["phase"] == FOLLOW) & np.isfinite(table["alpha"])
+    rows = table[steered]
     columns = {name: np.asarray(rows[name], dtype=float) for name in rows.dtype.names or ()}
-    columns["t"] = columns["t_boot"] - (columns["t_boot"][0] if len(rows) else 0.0)
+    columns["stretch"] = _stretches(table)[steered]
+    t_boot = columns["t_boot"]
+    goes_on = np.diff(columns["stretch"]) == 0
+    columns["t"] = np.cumsum(np.concatenate(([0.0], np.where(goes_on, np.diff(t_boot), 0.0))))[: len(rows)]
+    begins = np.concatenate(([True], ~goes_on))[: len(rows)]
+    columns["since"] = t_boot - t_boot[begins][np.cumsum(begins) - 1]
     columns["speed"] = columns["speed"] * np.where(columns["ramp"] < 0.0, -1.0, 1.0)
     columns["speed_error"] = columns["speed"] - columns["alpha"]
     columns["roll"] = np.arctan2(
@@ -67,26 +74,34 @@ def _told(table: Table) -> dict[str, Array]:
     return columns
 
 
-def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
+def _stretches(table: Table) -> Array:
+    """Which stretch of following each row is in, counted from 1; 0 where the path is not followed."""
+    following = table["phase"] == FOLLOW
+    begins = following & ~np.concatenate(([False], following[:-1]))
+    return np.where(following, np.cumsum(begins), 0).astype(float)
+
+
+def _true(plan: Plan, told: dict[str, Array], truth: Table) -> dict[str, Array]:
     """The same from the plant's true state, while the companion was following."""
-    followed = table[(table["phase"] == FOLLOW) & np.isfinite(table["alpha"])]
-    if len(followed) == 0 or len(truth) == 0:
+    t_boot = told["t_boot"]
+    if len(t_boot) == 0 or len(truth) == 0:
         return _nothing()
-    begin, end = followed["t_boot"][0], followed["t_boot"][-1]
-    rows = truth[(truth["t_boot"] >= begin) & (truth["t_boot"] <= end)]
+    rows = truth[(truth["t_boot"] >= t_boot[0]) & (truth["t_boot"] <= t_boot[-1])]
+    rows = rows[np.interp(rows["t_boot"], t_boot, told["stretch"]) % 1.0 == 0.0]
     if len(rows) > 1:
         stride = max(1, round(1.0 / TRUTH_RATE / float(np.median(np.diff(rows["t_boot"])))))
         rows = rows[::stride]
-    ramps = np.interp(rows["t_boot"], followed["t_boot"], followed["ramp"])
-    scales = np.interp(rows["t_boot"], followed["t_boot"], followed["speed_scale"])
+    names = ("stretch", "t", "since", "ramp", "speed_scale")
+    then = (np.interp(rows["t_boot"], t_boot, told[name]) for name in names)
     collected = []
     s: float | None = None
-    travelled = 0.0
-    for row, ramp, scale in zip(rows, ramps, scales, strict=True):
+    travelled, flown = 0.0, 0.0
+    for row, stretch, t, since, ramp, scale in zip(rows, *then, strict=True):
         way = -1.0 if ramp < 0.0 else 1.0
         p_n, v_n = _vec3(row["p_n"]), _vec3(row["v_n"])
-        if s is None:
+        if s is None or stretch != flown:
             s, distance = plan.table.locate(p_n)
+            flown = stretch
         else:
             before = s
             s, distance = plan.table.nearest(p_n, s, 1.0 + 0.2 * math.hypot(*v_n))
@@ -99,7 +114,8 @@ def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
         yaw = plan.mission.heading.of(r_nb)
         collected.append(
             (
-                float(row["t_boot"]) - begin,
+                float(t),
+                float(since),
                 distance,
                 speed,
                 alpha,
@@ -120,7 +136,7 @@ def _true(plan: Plan, table: Table, truth: Table) -> dict[str, Array]:
 
 
 _TRUE_COLUMNS = (
-    "t", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "ramp", "speed_scale", "roll",
+    "t", "since", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "ramp", "speed_scale", "roll",
     "pitch", "tilt", "thrust", "sent_0", "sent_1", "sent_2", "sent_3",
 )  # fmt: skip
 
@@ -164,9 +180,9 @@ def _size(values: Array) -> dict[str, float]:
 
 
 def _settled(flown: dict[str, Array], plan: Plan, settle: float) -> Figures:
-    """After ``settle`` s; where a path has ends, without the stops there and the starts from them. The first start is
+    """After ``settle`` s of each stretch; where a path has ends, without the stops there and the starts from them. The first start is
     what ``settle`` is for."""
-    steady = flown["t"] >= settle
+    steady = flown["since"] >= settle
     if not plan.table.closed:
         at_speed = np.abs(flown["ramp"]) >= 0.999 * np.abs(flown["speed_scale"])
         steady &= at_speed | ~np.logical_or.accumulate(at_speed)
@@ -227,8 +243,9 @@ def _phases(table: Table) -> list[Figures]:
 
 def _loop(table: Table) -> Figures:
     """How steadily setpoints went out while following."""
-    sent = table[(table["phase"] == FOLLOW) & (table["setpoint"] > 0)]
-    gaps = np.diff(sent["now"])
+    out = (table["phase"] == FOLLOW) & (table["setpoint"] > 0)
+    sent = table[out]
+    gaps = np.diff(sent["now"])[np.diff(_stretches(table)[out]) == 0]
     latency = np.asarray(sent["latency"], dtype=float)
     latency = latency[np.isfinite(latency)] * 1e6
     spent = float(np.sum(gaps))

@@ -46,7 +46,7 @@ def over_time(evidence: Evidence) -> Figure:
     told, true, settled = evidence.told, evidence.true, evidence.settled_from
     for panel, goal in zip(panels, GOALS, strict=True):
         seen = goal.factor * told[goal.column]
-        late = seen if settled is None else seen[told["t"] >= settled]
+        late = seen if settled is None else seen[told["since"] >= settled]
         rest = float(np.sqrt(np.mean(late**2)))
         logarithmic = bool(np.max(np.abs(seen)) > DECADES_APART * max(rest, goal.floor))
         if true is not None:
@@ -109,7 +109,7 @@ def over_path(evidence: Evidence) -> tuple[Figure, bool]:
             x, y = _broken(told["s"][chosen], error[chosen], evidence.plan.table.length)
             label = f"lap {lap}" if lap in labelled else None
             panel.plot(x, y, color=colours(share), linewidth=1.1, label=label)
-        late = error if settled is None else error[told["t"] >= settled]
+        late = error if settled is None else error[told["since"] >= settled]
         _linear(panel, goal, late)
         bottom, top = panel.get_ylim()
         leaves = leaves or bool(np.max(error) > top or np.min(error) < bottom)

@@ -50,7 +50,7 @@ class Evidence:
 
     @cached_property
     def told(self) -> Series:
-        """The followed part as the companion saw it; ``t`` is s since following began."""
+        """The followed part as the companion saw it; ``t`` is s of following."""
         return told_series(self.table)
 
     @cached_property
@@ -58,7 +58,7 @@ class Evidence:
         """The same from the plant's true state; None where there is none."""
         if self.truth is None or len(self.truth) == 0 or len(self.told["t"]) == 0:
             return None
-        series = true_series(self.plan, self.table, self.truth)
+        series = true_series(self.plan, self.told, self.truth)
         return series if len(series["t"]) else None
 
     @property
