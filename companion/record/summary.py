@@ -136,8 +136,8 @@ def _true(plan: Plan, told: dict[str, Array], truth: Table) -> dict[str, Array]:
 
 
 _TRUE_COLUMNS = (
-    "t", "since", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "ramp", "speed_scale", "roll",
-    "pitch", "tilt", "thrust", "sent_0", "sent_1", "sent_2", "sent_3",
+    "t", "since", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "ramp", "speed_scale",
+    "roll", "pitch", "tilt", "thrust", "sent_0", "sent_1", "sent_2", "sent_3",
 )  # fmt: skip
 
 
@@ -180,8 +180,8 @@ def _size(values: Array) -> dict[str, float]:
 
 
 def _settled(flown: dict[str, Array], plan: Plan, settle: float) -> Figures:
-    """After ``settle`` s of each stretch; where a path has ends, without the stops there and the starts from them. The first start is
-    what ``settle`` is for."""
+    """After ``settle`` s of each stretch; where a path has ends, without the stops there and the starts from them. The
+    first start is what ``settle`` is for."""
     steady = flown["since"] >= settle
     if not plan.table.closed:
         at_speed = np.abs(flown["ramp"]) >= 0.999 * np.abs(flown["speed_scale"])
