@@ -105,6 +105,15 @@ def test_a_circle_on_the_stand_in(level: OutputLevel) -> None:
         assert 0.0 < setpoint.thrust < 1.0  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
+def test_a_vehicle_said_to_have_no_lag_is_flown(level: OutputLevel) -> None:
+    none = machine("sih", rate_loop_lag=0.0)
+    done = measured(course("circle_r5", 2.0, level), none, world("ideal"), level, duration=10.0, settle=6.0)
+    assert done.reason is None
+    assert done.true is not None
+    assert done.true.path < 0.05
+
+
 @pytest.mark.parametrize(("speed", "off"), [(3.0, 0.10), (6.0, 0.35)])
 def test_held_on_the_path_it_waits_and_carries_on(speed: float, off: float) -> None:
     """Held for four seconds: no leap on release, neither off the path nor ahead."""

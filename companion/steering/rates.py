@@ -19,7 +19,7 @@ from companion.estimation.lag import Lag, begun_anew, first_lag, followed_lag
 from companion.estimation.learned import FLOWN_MIN, Learned
 from companion.estimation.observer import Observed, Prior, Seen, can_wait, expected, first_observed, observed
 from companion.estimation.prediction import Ahead, Known, predicted
-from companion.estimation.response import YAW_TORQUE_LAG, Inner, Response, Sent, corrected, followed
+from companion.estimation.response import LAG_MIN, YAW_TORQUE_LAG, Inner, Response, Sent, corrected, followed
 from companion.frames import Heading, Quaternion, Vec3, rotation_matrix, turned, upright_error, wrap
 from companion.law.bare import LawError
 from companion.law.flight import Command, Flying, Law
@@ -42,7 +42,8 @@ rad/s. A vehicle whose other rate loops are quicker than PX4's usual ones is not
 """
 YAW_ONCE_MORE = 1.0
 """Of a missing yaw rate, for PX4's usual loops: it doubles the gain of a soft yaw loop, which would leave a heading
-that gusts have turned away for long. Up to 1 no loop that is stable by itself is made unstable by it."""
+that gusts have turned away for long. Up to 1 no loop that is stable by itself is made unstable by it. Where PX4 smooths
+what it is sent, it comes late and would swing the nose at 4 to 8 rad/s; there it is less."""
 YAW_SUM_GAIN, YAW_SUM_MAX, YAW_SUM_WITHIN = 0.07, 0.3, 0.3
 """Of the square of the yaw gain (a quarter would put both poles of the heading at half the gain); rad/s; rad of error
 within which it is summed."""
@@ -161,7 +162,8 @@ class RateSteering:
         yaw_sum = self._yaw_summed(memory.yaw_sum, command, dt)
         yaw_lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * vehicle.rate_loop_lag)
         # what the yaw rate will be short of is asked for once more
-        r += (yaw_lead - lag) * memory.slope + YAW_ONCE_MORE * yaw_lead / YAW_LEAD * (r - there.w_b[2])
+        once_more = YAW_ONCE_MORE * yaw_lead / YAW_LEAD * (1.0 - smoothing / lag) ** 2
+        r += (yaw_lead - lag) * memory.slope + once_more * (r - there.w_b[2])
         r -= memory.inner.yaw_trim + yaw_sum
         # yaw is turned by torque that thrust and tilting may need when it comes: near the top it waits
         share = (zeta + slope * YAW_TORQUE_LAG) / (vehicle.mass * most_lift) * THRUST_MAX
@@ -384,7 +386,7 @@ def rate_steering(
 ) -> RateSteering:
     """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
     ``lag``: s, of its rate loop as last found; None: as its file says."""
-    response = Response(vehicle.rate_loop_lag + encoding.smoothing, vehicle.motor_lag)
+    response = Response(max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing, vehicle.motor_lag)
     limits = vehicle.limits
     lean = math.inf
     if limits is not None:
