@@ -171,9 +171,9 @@ class RateSteering:
         room = max(YAW_ROOM_MIN, (THRUST_MAX - share) / YAW_SHARE)
         turning = there.w_b[2] - memory.inner.yaw_trim
         r = min(max(r, turning - room), turning + room)
-        rates, clipped = self._clipped((0.0, 0.0, 0.0) if stuck else (p, q, r))
         gain = memory.lag.gain
-        less = (rates[0] / gain, rates[1] / gain, rates[2])
+        less, clipped = self._clipped((0.0, 0.0, 0.0) if stuck else (p / gain, q / gain, r))
+        rates = (less[0] * gain, less[1] * gain, less[2])
         # thrust answers sooner than the rates do
         lift = (zeta + slope * (half - (lag - self.response.motor_lag))) / per_lift
         wanted = lift * self.hover_thrust / vehicle.gravity
