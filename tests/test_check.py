@@ -16,10 +16,13 @@ from companion.config.document import parse
 from companion.config.mission import load_mission, mission_from
 from companion.config.places import names
 from companion.config.vehicle import load_vehicle
+from companion.feasibility.limits import use_without_yaw
 from companion.feasibility.report import NAMES, Report, check
-from companion.feasibility.words import in_words
+from companion.feasibility.words import headline, in_words
 from companion.fence import Fence, Polygon
+from companion.law.gains import Level
 from companion.mission import Mission
+from companion.profiles import ConstantSpeed
 from companion.vehicle import Vehicle
 
 X500 = load_vehicle("x500")
@@ -239,9 +242,26 @@ def test_fly_leaves_what_no_flight_can_tell_from_the_limit() -> None:
     what is really too fast, or too low, is not."""
     sih = load_vehicle("sih")
     near = check(circle(speed=7.0, r=5.0), sih)
-    assert not near.feasible and near.within_accuracy
-    assert not check(circle(speed=7.5, r=5.0), sih).within_accuracy
-    assert not check(circle(speed=3.0, r=5.0, z=0.2), sih).within_accuracy
+    assert not near.feasible and near.may_be_flown
+    assert not check(circle(speed=7.5, r=5.0), sih).may_be_flown
+    assert not check(circle(speed=3.0, r=5.0, z=0.2), sih).may_be_flown
+
+
+def test_fly_lets_the_heading_give_way_but_not_the_path() -> None:
+    """The figure-eight of PX4's simulated quadrotor at 3 m/s: its motors cannot hold the nose north in the tightest
+    places, and fly the path all the same. At 3.3 m/s it would have to turn faster than it may, at 4.5 m/s tilt too far.
+    """
+    sih, mission = load_vehicle("sih"), load_mission("figure8", Level.RATES)
+    found = {v: check(dataclasses.replace(mission, speed=ConstantSpeed(v)), sih) for v in (2.5, 3.0, 3.3, 4.5)}
+    assert [found[v].feasible for v in found] == [True, False, False, False]
+    assert [found[v].may_be_flown for v in found] == [True, True, False, False]
+    assert [found[v].heading_gives_way for v in found] == [False, True, True, False]
+    assert "the path can, and the heading gives way. Motor 2 would have to pull downwards, 33.3 m" in headline(
+        found[3.0]
+    )
+    north = found[3.0]
+    assert use_without_yaw(north.asked, sih) < 0.5
+    assert north.asked.without_yaw.sum(0) == pytest.approx(north.asked.motors.sum(0))  # yaw takes from two what two get
 
 
 def test_the_place_over_the_real_ground_is_looked_at_before_arming() -> None:

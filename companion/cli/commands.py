@@ -162,7 +162,7 @@ def fly(
     assert sortie is not None and open_port is not None
     sortie, found = looked_at(sortie)
     if not found.feasible:
-        if not accept_infeasible and not found.within_accuracy:
+        if not accept_infeasible and not found.may_be_flown:
             raise typer.Exit(refuse(f"{headline(found)} (--accept-infeasible flies it all the same)", json))
         say(f"warning: {headline(found)}")
     if dry_run and bench:

@@ -52,7 +52,7 @@ def most_speed_scale(feasible: float) -> float:
 def objection(mission: Mission, vehicle: Vehicle, ground: float) -> str | None:
     """Why a mission may not be flown over the ground (m, down in the local frame) that is really there; or None."""
     found = check(mission, vehicle, ground)
-    return None if found.within_accuracy else headline(found)
+    return None if found.may_be_flown else headline(found)
 
 
 def manner(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial: bool) -> Manner:

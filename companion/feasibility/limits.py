@@ -86,10 +86,7 @@ def quantities(asked: Demand, vehicle: Vehicle) -> list[Quantity]:
         ),
         Quantity("tilt_deg", np.degrees(asked.tilt), 0.0, -none, math.degrees(tilt_limit(vehicle))),
     ]
-    hover = Allocation(vehicle).commands((weight, 0.0, 0.0, 0.0))
-    for i, (rotor, command, values) in enumerate(zip(vehicle.rotors, hover, asked.motors, strict=True), 1):
-        low, high = rotor.command
-        result.append(Quantity("motor", values, (command - low) / (high - low), 0.0, 1.0, f"motor {i}"))
+    result += _motors(asked.motors, vehicle)
     for axis, limit, values in zip(("roll", "pitch", "yaw"), (*rates[:2], yaw_rate), asked.rates, strict=True):
         high = math.degrees(limit)
         result.append(Quantity("body_rate_dps", np.degrees(values), 0.0, -high, high, axis))
@@ -99,6 +96,20 @@ def quantities(asked: Demand, vehicle: Vehicle) -> list[Quantity]:
     result.append(Quantity("yaw_acceleration_dps2", np.degrees(asked.yaw_acceleration), 0.0, -high, high))
     result.append(Quantity("speed_mps", asked.speed, 0.0, -none, none if limits is None else limits.speed))
     return result
+
+
+def _motors(asked: Array, vehicle: Vehicle) -> list[Quantity]:
+    hover = Allocation(vehicle).commands((vehicle.weight, 0.0, 0.0, 0.0))
+    result = []
+    for i, (rotor, command, values) in enumerate(zip(vehicle.rotors, hover, asked, strict=True), 1):
+        low, high = rotor.command
+        result.append(Quantity("motor", values, (command - low) / (high - low), 0.0, 1.0, f"motor {i}"))
+    return result
+
+
+def use_without_yaw(asked: Demand, vehicle: Vehicle) -> float:
+    """The largest share of any motor's range used anywhere, were the heading let go."""
+    return max(float(np.max(q.used)) for q in _motors(asked.without_yaw, vehicle))
 
 
 def worst_use(asked: Demand, vehicle: Vehicle) -> float:

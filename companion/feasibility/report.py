@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from companion.feasibility import geometry
 from companion.feasibility.auto import SPEED_MIN, TooSlowError, flyable
 from companion.feasibility.demand import Demand, demand
-from companion.feasibility.limits import Limit, quantities, worst, worst_use
+from companion.feasibility.limits import Limit, quantities, use_without_yaw, worst, worst_use
 from companion.feasibility.stations import Stations, places, stations
 from companion.mission import GlobalOrigin, Mission
 from companion.profiles import AutoSpeed, ConstantSpeed
@@ -66,10 +66,21 @@ class Report:
         return all(limit.ok for limit in self.deciding)
 
     @property
-    def within_accuracy(self) -> bool:
-        """Whether no limit is broken by more than a flight may differ from its prediction. What there must be at least
-        (height above ground, distance to a fence, room in a bend) is kept either way."""
-        return all(limit.ok or (limit.name in PREDICTED and limit.used <= 1.0 + ACCURACY) for limit in self.deciding)
+    def may_be_flown(self) -> bool:
+        """Whether no limit is broken by more than a flight may differ from its prediction, but for motors whose range
+        would do were the heading let go: it gives way first, the path is kept. What there must be at least (height
+        above ground, distance to a fence, room in a bend) is kept either way."""
+        return all(limit.ok or (limit.name in PREDICTED and self._is_near(limit)) for limit in self.deciding)
+
+    @property
+    def heading_gives_way(self) -> bool:
+        """Whether motors have to let the heading go somewhere for the path's sake."""
+        return any(limit.name == "motor" and limit.used > 1.0 + ACCURACY for limit in self.limits) and (
+            use_without_yaw(self.asked, self.vehicle) <= 1.0 + ACCURACY
+        )
+
+    def _is_near(self, limit: Limit) -> bool:
+        return limit.used <= 1.0 + ACCURACY or (limit.name == "motor" and self.heading_gives_way)
 
     @property
     def tightest(self) -> Limit:

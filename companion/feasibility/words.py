@@ -40,7 +40,12 @@ def headline(report: Report) -> str:
     if report.feasible:
         return f"{who}: can be flown."
     broken = max((limit for limit in report.deciding if not limit.ok), key=lambda limit: limit.used)
-    return f"{who}: cannot be flown like this. {why(report, broken)}"
+    verdict = "cannot be flown like this."
+    if report.may_be_flown:
+        verdict = "cannot quite be flown like this."
+        if report.heading_gives_way:
+            verdict = "cannot be flown like this; the path can, and the heading gives way."
+    return f"{who}: {verdict} {why(report, broken)}"
 
 
 def why(report: Report, limit: Limit) -> str:
