@@ -7,6 +7,8 @@ import random
 from types import SimpleNamespace
 from typing import Any, cast
 
+import pytest
+
 from companion import pilot
 from companion.daemon import realtime
 from companion.daemon.rehearsal import Rehearsal
@@ -62,6 +64,33 @@ def test_a_stall_is_no_part_of_the_rhythm() -> None:
     due = heard(rhythm, 400, 5e-5) + 3.0
     due = heard(rhythm, 400, 5e-5, due)
     assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+
+
+def test_a_lost_state_leaves_the_rhythm_as_it_is() -> None:
+    rng, rhythm = random.Random(5), Rhythm()
+    for i in range(600):
+        if i < 300 or rng.random() > 0.3:
+            rhythm.arrived(i * PERIOD + rng.uniform(-5e-5, 5e-5))
+            if i >= 300:
+                due = (i + 1) * PERIOD
+                assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+
+
+@pytest.mark.parametrize("begun", [0.1 * PERIOD, 2.0 * PERIOD])
+def test_a_false_start_is_forgotten(begun: float) -> None:
+    rhythm = Rhythm()
+    rhythm.arrived(-begun)
+    due = heard(rhythm, 300, 5e-5)
+    assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+
+
+def test_another_rate_is_another_rhythm() -> None:
+    rhythm = Rhythm()
+    due = heard(rhythm, 400, 5e-5)
+    for i in range(400):
+        rhythm.arrived(due + 2.0 * i * PERIOD)
+    due += 800.0 * PERIOD
+    assert due - 1e-3 < rhythm.rehearse_at(due - PERIOD) < due
 
 
 def test_a_slow_machine_does_not_rehearse() -> None:

@@ -16,13 +16,15 @@ MARGIN = 8e-5
 """s that the last rehearsal ends before a state is due, beside the usual deviation."""
 WATCH_MAX = 4e-4
 """s of asking the link without sleeping, at most: a tenth of a core at 250 Hz."""
-REHEARSALS = 3
-"""The first finds everything cold; the third is as quick as it gets."""
-REHEARSAL_SHARE_MAX = 0.2
+REHEARSALS = 4
+"""The first finds everything cold, and one falls out where the waking is late; the third is as quick as it gets."""
+REHEARSAL_SHARE_MAX = 0.25
 """Of the period, for all rehearsals. A machine on which not even one fits has no time for them."""
 REGULAR = 0.08
 """A rhythm is one while states keep to it within this share of the period, in the mean."""
 PERIOD_MAX = 0.1
+ODD, ODD_MAX = 0.25, 20
+"""States in a row that are out of step by so much of a period, or by periods, after which the rhythm is another one."""
 
 
 class Rhythm:
@@ -35,6 +37,7 @@ class Rhythm:
         self._deviation = math.inf
         self._rehearsal = 2e-4
         self._late = False
+        self._odd = 0
         self.watch_until = -math.inf
         """Until when to ask the link without sleeping."""
 
@@ -42,17 +45,19 @@ class Rhythm:
         """A state came."""
         late, self._late = self._late, False
         self.watch_until = -math.inf
-        off = -self._rehearsal if late else now - self._due
-        if not abs(off) < 0.5 * self._period:  # the first ones, and after a stall
-            interval = now - self._last
+        interval, self._last = now - self._last, now
+        if math.isnan(self._period) or self._odd > ODD_MAX:
             self._period = interval if interval < PERIOD_MAX else math.nan
-            self._deviation = PERIOD_MAX
-            self._due = now
-            off = 0.0
-        self._last = now
+            self._deviation, self._due, self._odd = PERIOD_MAX, now + self._period, 0
+            return
+        off = -self._rehearsal if late else now - self._due
+        # a state that was lost, or a stall, leaves the rhythm as it is
+        periods = round(off / self._period)
+        off -= periods * self._period
+        self._odd = self._odd + 1 if periods or abs(off) > ODD * self._period else 0
+        self._due += (periods + 1) * self._period + PHASE_GAIN * off
         self._deviation += MEAN_GAIN * (abs(off) - self._deviation)
         self._period += PERIOD_GAIN * off
-        self._due += self._period + PHASE_GAIN * off
 
     def rehearse_at(self, now: float) -> float:
         """When to rehearse next, ``now`` at the earliest; inf for not any more before the next state."""
