@@ -2,6 +2,7 @@
 
 simulate   a mission against the plant: in lockstep, or as two processes over UDP
 flying     a mission on a vehicle
+status     what the companions on this computer are doing
 bare       the law without a vehicle, state by state
 export     a mission as a plan or a table
 new        examples of every kind of file, and their schemas

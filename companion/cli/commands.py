@@ -202,6 +202,14 @@ def preflight(
 
 
 @app.command()
+def status(json: Json = False) -> None:
+    """What the companions on this computer are doing: asked from another terminal."""
+    from companion.cli.status import status as tell
+
+    raise typer.Exit(tell(json))
+
+
+@app.command()
 def demo(
     fast: Annotated[bool, typer.Option("--fast", help="In lockstep instead of real time.")] = False,
     output: OutputName = Output.MOTORS,

@@ -11,15 +11,17 @@ import os
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 
 from companion.daemon.conductor import Conductor
 from companion.daemon.port import Port
-from companion.daemon.progress import Watch
+from companion.daemon.progress import Watch, about, standing
 from companion.daemon.realtime import HELPER_PRIORITY, at_priority, punctual
 from companion.daemon.rehearsal import Rehearsal
 from companion.daemon.rhythm import Rhythm
 from companion.daemon.signals import ending_signals
+from companion.daemon.standing import Notice
 from companion.daemon.systemd import Service
 from companion.daemon.urgency import parted
 from companion.record.folder import Recorder
@@ -29,6 +31,8 @@ SWITCH_INTERVAL = 5e-5
 """s that another Python thread may keep the control thread waiting; Python's default of 5 ms is a whole period."""
 SCRIBE_PERIOD = 0.25
 PROGRESS_PERIOD = 1.0
+NOTES = 5
+"""Lines that another terminal is shown of what was said."""
 IDLE_MAX = 0.1
 """s of waiting at most, to see signals and time-outs."""
 
@@ -54,7 +58,7 @@ def run(
     _freeze()
     gc.disable()
     service = Service(os.environ)
-    scribe = _Scribe(conductor, recorder, say, service)
+    scribe = _Scribe(conductor, port, recorder, say, service)
     scribe.start()
     try:
         with punctual() as priority, ending_signals(conductor.stop) as stopped:
@@ -149,9 +153,12 @@ class _Scribe(threading.Thread):
     """Writes the record and the screen."""
 
     def __init__(
-        self, conductor: Conductor, recorder: Recorder | None, say: Callable[[str], None], service: Service
+        self, conductor: Conductor, port: Port, recorder: Recorder | None, say: Callable[[str], None], service: Service
     ) -> None:
         super().__init__(name="scribe", daemon=True)
+        self._notice = Notice(about(conductor.orders, port.describe(), recorder))
+        self._noted: deque[str] = deque(maxlen=NOTES)
+        self._noticed_at = -math.inf
         self._conductor = conductor
         self._recorder = recorder
         self._say = say
@@ -170,6 +177,7 @@ class _Scribe(threading.Thread):
         self._finished.set()
         self.join()
         self._write()
+        self._notice.remove()
 
     def _write(self) -> None:
         if self._recorder is not None and not self._full:
@@ -180,8 +188,13 @@ class _Scribe(threading.Thread):
                 self._say(f"the record cannot be written ({error.strerror}); the flight goes on without")
         notes = self._conductor.notes
         for _ in range(len(notes)):
-            self._say(notes.pop(0))
-        line = self._watch.look(self._conductor, clock())
+            self._noted.append(notes.pop(0))
+            self._say(self._noted[-1])
+        now = clock()
+        line = self._watch.look(self._conductor, now)
         if line is not None:
             self._say(line)
             self._service.status(line)
+        if line is not None or now - self._noticed_at >= PROGRESS_PERIOD:
+            self._noticed_at = now
+            self._notice.write({**standing(self._conductor), "progress": line, "notes": list(self._noted)})

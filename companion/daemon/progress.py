@@ -1,11 +1,13 @@
-"""What a person watching a flight sees: one line that says where it stands."""
+"""What a person watching a flight sees: one line that says where it stands; and from another terminal, a few more."""
 
 from __future__ import annotations
 
 import math
 
 from companion.daemon.conductor import Conductor, Tick
+from companion.daemon.orders import Orders
 from companion.pilot import tilt_of, yaw_error
+from companion.record.folder import Recorder
 
 
 def line(tick: Tick, rate: float, garbage: int = 0) -> str:
@@ -25,6 +27,33 @@ def line(tick: Tick, rate: float, garbage: int = 0) -> str:
     if garbage:
         parts.append(f"{garbage} bytes of garbage")
     return "  ".join(parts)
+
+
+def about(orders: Orders, link: str, recorder: Recorder | None) -> dict[str, str | None]:
+    """What does not change in a flight, for another terminal."""
+    return {
+        "mission": orders.mission.name,
+        "vehicle": orders.vehicle.name,
+        "output": "auto" if orders.auto else orders.level.value,
+        "link": link,
+        "record": None if recorder is None else str(recorder.directory.resolve()),
+    }
+
+
+def standing(conductor: Conductor) -> dict[str, str | None]:
+    """Where a flight stands, for another terminal."""
+    status, plan = conductor.telemetry.status, conductor.plan
+    phase = "waits for a vehicle" if conductor.link.identity is None else "learns about the vehicle"
+    said: dict[str, str | None] = {"phase": phase, "mode": None, "battery": None}
+    if conductor.memory is not None:
+        said["phase"] = conductor.memory.phase.value
+    if plan is not None:
+        said["output"] = plan.level.value
+    if status.mode is not None:
+        said["mode"] = f"{status.mode.words}, {'armed' if status.armed else 'disarmed'}"
+    if status.battery is not None:
+        said["battery"] = f"{100.0 * status.battery:.0f} %"
+    return said
 
 
 class Watch:

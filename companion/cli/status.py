@@ -1,0 +1,50 @@
+"""``status``: what the companions on this computer are doing, asked from another terminal."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+
+from companion.cli.finish import COMPLETED, FAILED
+from companion.daemon.standing import SILENT_AFTER, Standing, standings
+
+LABEL = 9
+
+
+def status(as_json: bool) -> int:
+    """Print it; the exit code: 0 where one is running."""
+    found = standings()
+    if as_json:
+        print(json.dumps([{**s.told, "age_s": round(s.age, 1), "running": s.running} for s in found], indent=2))
+    else:
+        print("\n\n".join(map(in_words, found)) if found else "no companion is running on this computer")
+    return COMPLETED if any(standing.running for standing in found) else FAILED
+
+
+def in_words(standing: Standing) -> str:
+    """One companion, for a person."""
+    told = standing.told
+    who = (
+        f"{told.get('mission', '?')} on {told.get('vehicle', '?')} at {told.get('output', '?')}, process {told['pid']}"
+    )
+    if not standing.running:
+        head = f"{who}: ended without a word {_ago(standing.age)}; look at the vehicle and at its flight folder"
+    elif standing.age > SILENT_AFTER:
+        head = f"{who}: has said nothing for {standing.age:.0f} s; it hangs, or the computer does"
+    else:
+        head = f"{who}: {told.get('phase', '?')}"
+    lines = [head]
+    for label in ("link", "mode", "battery", "progress", "record"):
+        value = told.get(label)
+        if value not in (None, ""):
+            lines.append(f"  {label:{LABEL}} {value}")
+    notes: Sequence[str] = told.get("notes", ())
+    lines += [f"  {'said' if i == 0 else '':{LABEL}} {note}" for i, note in enumerate(notes)]
+    return "\n".join(lines)
+
+
+def _ago(age: float) -> str:
+    if age < 120.0:
+        return f"{age:.0f} s ago"
+    return f"{age / 60.0:.0f} min ago" if age < 7200.0 else f"{math.floor(age / 3600.0)} h ago"

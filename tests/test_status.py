@@ -1,0 +1,108 @@
+"""`companion status`: what another terminal is told of a flight, of one that hangs, and of one that was killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from companion.cli.commands import main
+from companion.cli.status import in_words
+from companion.daemon.standing import Notice, Standing, standings
+
+ABOUT = {"mission": "circle", "vehicle": "x500", "output": "rates", "link": "UDP 127.0.0.1:14540", "record": "/f"}
+
+
+@pytest.fixture
+def own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """A computer of its own."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.delenv("RUNTIME_DIRECTORY", raising=False)
+    monkeypatch.setattr("companion.daemon.standing.SHARED", ())
+    return tmp_path
+
+
+def asked(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *words: str) -> tuple[int, str]:
+    monkeypatch.setattr("sys.argv", ["companion", "status", *words])
+    with pytest.raises(SystemExit) as left:
+        main()
+    return int(left.value.code or 0), capsys.readouterr().out
+
+
+def test_nobody_is_running(own: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    assert asked(capsys, monkeypatch) == (1, "no companion is running on this computer\n")
+    assert asked(capsys, monkeypatch, "--json") == (1, "[]\n")
+
+
+def test_what_is_said_is_told(own: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    notice = Notice(ABOUT)
+    notice.write({"phase": "follow", "mode": "Offboard, armed", "progress": "follow  4.0 s", "notes": ["one", "two"]})
+    code, out = asked(capsys, monkeypatch)
+    assert code == 0
+    assert out.splitlines() == [
+        f"circle on x500 at rates, process {os.getpid()}: follow",
+        "  link      UDP 127.0.0.1:14540",
+        "  mode      Offboard, armed",
+        "  progress  follow  4.0 s",
+        "  record    /f",
+        "  said      one",
+        "            two",
+    ]
+    (told,) = json.loads(asked(capsys, monkeypatch, "--json")[1])
+    assert told["running"] and told["schema"] == "companion.status/1" and told["age_s"] < 5.0
+    notice.remove()
+    assert asked(capsys, monkeypatch)[0] == 1
+    assert not list((own / "companion").iterdir())
+
+
+def test_one_that_was_killed_is_told_once(own: Path) -> None:
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    notice = Notice({**ABOUT, "pid": gone.pid})
+    notice.write({"phase": "follow"})
+    (told,) = standings()
+    assert not told.running
+    assert "ended without a word 0 s ago; look at the vehicle" in in_words(told)
+    assert standings() == []
+
+
+def test_one_that_hangs_and_rubbish(own: Path) -> None:
+    Notice(ABOUT).write({"phase": "follow"})
+    (own / "companion" / "7.json").write_text("{", encoding="utf-8")
+    (own / "companion" / "8.json").write_text('{"pid": "x"}', encoding="utf-8")
+    (told,) = standings()
+    assert "has said nothing for 60 s; it hangs" in in_words(Standing(told.told, 60.0, True))
+
+
+def test_a_directory_that_cannot_be_written_to_stops_no_flight(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    notice = Notice(ABOUT, {"RUNTIME_DIRECTORY": str(tmp_path / "file")})
+    notice.write({"phase": "follow"})
+    notice.remove()
+
+
+def test_a_flight_is_told_while_it_lasts_and_not_after(own: Path) -> None:
+    flight = subprocess.Popen(
+        [sys.executable, "-m", "companion", "sim", "circle_r5", "--udp", "--duration", "60"],
+        cwd=own, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        until = time.monotonic() + 60.0
+        while not any(s.told.get("progress") and s.told["phase"] == "follow" for s in standings()):
+            assert flight.poll() is None and time.monotonic() < until
+            time.sleep(0.1)
+        (told,) = standings()
+        assert told.told["mission"] == "circle-r5"
+        assert told.told["mode"] == "Offboard, armed"
+        assert "path error" in told.told["progress"]
+        assert any("join -> follow" in note for note in told.told["notes"])
+    finally:
+        flight.send_signal(signal.SIGINT)
+        flight.wait(30.0)
+    assert standings() == []
