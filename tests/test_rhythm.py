@@ -76,11 +76,13 @@ def test_a_lost_state_leaves_the_rhythm_as_it_is() -> None:
                 assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
 
 
-@pytest.mark.parametrize("begun", [0.1 * PERIOD, 2.0 * PERIOD])
+@pytest.mark.parametrize("begun", [0.0, 0.1 * PERIOD, 2.0 * PERIOD])
 def test_a_false_start_is_forgotten(begun: float) -> None:
+    """The first two at once, in a burst, or with one lost between them."""
     rhythm = Rhythm()
     rhythm.arrived(-begun)
-    due = heard(rhythm, 300, 5e-5)
+    rhythm.arrived(0.0)
+    due = heard(rhythm, 300, 5e-5, PERIOD)
     assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
 
 

@@ -22,7 +22,8 @@ REHEARSAL_SHARE_MAX = 0.25
 """Of the period, for all rehearsals. A machine on which not even one fits has no time for them."""
 REGULAR = 0.08
 """A rhythm is one while states keep to it within this share of the period, in the mean."""
-PERIOD_MAX = 0.1
+PERIOD_MIN, PERIOD_MAX = 5e-4, 0.1
+"""s: what comes quicker is a burst, what comes slower needs no hurry."""
 ODD, ODD_MAX = 0.25, 20
 """States in a row that are out of step by so much of a period, or by periods, after which the rhythm is another one."""
 
@@ -47,7 +48,7 @@ class Rhythm:
         self.watch_until = -math.inf
         interval, self._last = now - self._last, now
         if math.isnan(self._period) or self._odd > ODD_MAX:
-            self._period = interval if interval < PERIOD_MAX else math.nan
+            self._period = interval if PERIOD_MIN < interval < PERIOD_MAX else math.nan
             self._deviation, self._due, self._odd = PERIOD_MAX, now + self._period, 0
             return
         off = -self._rehearsal if late else now - self._due
