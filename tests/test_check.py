@@ -16,6 +16,7 @@ from companion.config.document import parse
 from companion.config.mission import load_mission, mission_from
 from companion.config.places import names
 from companion.config.vehicle import load_vehicle
+from companion.feasibility.demand import without_yaw
 from companion.feasibility.limits import use_without_yaw
 from companion.feasibility.report import NAMES, Report, check
 from companion.feasibility.words import headline, in_words
@@ -261,7 +262,9 @@ def test_fly_lets_the_heading_give_way_but_not_the_path() -> None:
     )
     north = found[3.0]
     assert use_without_yaw(north.asked, sih) < 0.5
-    assert north.asked.without_yaw.sum(0) == pytest.approx(north.asked.motors.sum(0))  # yaw takes from two what two get
+    assert without_yaw(north.asked, sih).sum(0) == pytest.approx(
+        north.asked.motors.sum(0)
+    )  # yaw takes from two what two get
 
 
 def test_the_place_over_the_real_ground_is_looked_at_before_arming() -> None:

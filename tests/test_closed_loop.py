@@ -129,7 +129,8 @@ def test_the_twist_heading_needs_no_yaw_torque_in_a_steady_turn() -> None:
     loop = loop_of("paper_case2", Heading.TWIST)
     t = np.concatenate([np.linspace(0.0, 6.0, 25), 20.0 + np.linspace(0.0, math.tau * 10.0 / 15.0, 101)])
     flown = loop.fly(loop.start, t)
-    A = companion_matrix(loop.mission.gains)  # type: ignore[arg-type]
+    assert loop.mission.gains is not None
+    A = companion_matrix(loop.mission.gains)
     first = loop.xi(flown[0])
     for time, chi in zip(t[:25], flown, strict=False):
         assert np.max(np.abs(loop.xi(chi) - expm(A * time) @ first)) < 1e-6 * np.max(np.abs(first))

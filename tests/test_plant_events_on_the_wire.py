@@ -125,7 +125,7 @@ def test_what_was_missed_is_sent_again() -> None:
 def test_every_event_is_described() -> None:
     """What MAVSDK and QGroundControl need to show it: a text, and arguments that are as long as what is sent."""
     sizes = {"uint8_t": 1, "int16_t": 2, "uint16_t": 2, "uint32_t": 4, "int32_t": 4, "float": 4}
-    component: Any = event_table()["components"]["1"]  # type: ignore[index]
+    component: Any = event_table()["components"]["1"]
     sizes |= {name: sizes[kind["type"]] for name, kind in component["enums"].items()}
     events_of = {name: group["events"] for name, group in component["event_groups"].items()}
     described = {int(identity): event for group in events_of.values() for identity, event in group.items()}

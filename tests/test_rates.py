@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import random
+from typing import Any
 
 import pytest
 
@@ -16,6 +17,7 @@ from companion.daemon.conductor import Conductor
 from companion.flight.conduct import Conduct, Finish
 from companion.flight.phases import Phase
 from companion.frames import Vec3, multiply, quaternion_from_euler, rotation_matrix, tilt
+from companion.plan import Plan
 from companion.steering.encoding import AsAttitude, as_attitude
 from companion.steering.thrust import ThrustRange
 from companion.vehicle import OutputLevel, RateSetpoint, Tuning
@@ -120,7 +122,7 @@ def test_held_on_the_path_it_waits_and_carries_on(speed: float, off: float) -> N
     held = world("ideal", link=Link(Way(0.01), Way(0.01)), events=(Hold(When(8.0, 12.0)),))
     most = [0.0, 0.0]
 
-    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         if conductor.plan is not None and truth.t_boot > 12.0:
             _, distance = conductor.plan.table.locate(truth.p_n)
             most[0], most[1] = max(most[0], distance), max(most[1], math.hypot(*truth.v_n))
@@ -164,7 +166,7 @@ def test_the_drag_is_known_after_one_lap(speed: float) -> None:
     assert there.truth.drag == 1.0
     found: list[float] = []
 
-    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory, last = conductor.memory, conductor.last
         if found or memory is None or memory.progress is None or last is None or last.outcome.steered is None:
             return
@@ -178,20 +180,26 @@ def test_the_drag_is_known_after_one_lap(speed: float) -> None:
     assert found[0] == pytest.approx(1.0, abs=0.05)
 
 
-@pytest.mark.parametrize("factor", [0.7, 1.4])
-def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Told 30 % too little or 40 % too much: half a metre of height is never lost, and it takes less than 10 s."""
+def tell_hover_thrust(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
+    """The companion is told ``factor`` times the hover thrust that the vehicle says."""
     usual = preparing.prepared
 
-    def wrong(*given):  # type: ignore[no-untyped-def]
-        tuning = given[5]
+    def wrong(*given: Any) -> Plan:
+        tuning: Tuning = given[5]
+        assert tuning.hover_thrust is not None
         return usual(*given[:5], tuning._replace(hover_thrust=tuning.hover_thrust * factor), *given[6:])
 
     monkeypatch.setattr(preparing, "prepared", wrong)
+
+
+@pytest.mark.parametrize("factor", [0.7, 1.4])
+def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Told 30 % too little or 40 % too much: half a metre of height is never lost, and it takes less than 10 s."""
+    tell_hover_thrust(monkeypatch, factor)
     heights: list[float] = []
     converged_at: list[float] = []
 
-    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         if conductor.memory is None or conductor.memory.steering is None:
             return
         heights.append(truth.p_n[2])
@@ -212,12 +220,7 @@ def test_a_wrong_hover_thrust_from_the_ground(
     factor: float, level: OutputLevel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The same after a take-off: neither the place where it settles nor the path is left by half a metre of height."""
-    usual = preparing.prepared
-
-    def wrong(*given):  # type: ignore[no-untyped-def]
-        return usual(*given[:5], given[5]._replace(hover_thrust=given[5].hover_thrust * factor), *given[6:])
-
-    monkeypatch.setattr(preparing, "prepared", wrong)
+    tell_hover_thrust(monkeypatch, factor)
     heights: dict[Phase, list[float]] = {}
     known_at: list[float] = []
 
@@ -245,7 +248,7 @@ def test_thrust_that_drifts_in_flight_is_followed() -> None:
     lowest: list[float] = []
     sent: list[float] = []
 
-    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         lowest.append(truth.p_n[2])
         if conductor.last is not None and conductor.last.outcome.setpoint is not None:
             sent.append(conductor.last.outcome.setpoint.thrust)
@@ -265,7 +268,7 @@ def test_captured_from_beside_and_above(away: tuple[float, float], level: Output
     tilts: list[float] = []
     off: list[float] = []
 
-    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         x, y, z = truth.p_n
         tilts.append(tilt(rotation_matrix(truth.q_nb)))
         off.append(math.hypot(math.hypot(x, y) - 5.0, z + 10.0))
@@ -288,7 +291,7 @@ def test_captured_from_far_without_overshoot(off: float) -> None:
     """From rest beside the path: within the tilt limit, and never more than half a metre on its other side."""
     most = [0.0, 0.0]
 
-    def watch(conductor, truth, now: float) -> None:  # type: ignore[no-untyped-def]
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         x, y, _ = truth.p_n
         most[0] = max(most[0], 5.0 - math.hypot(x, y))
         most[1] = max(most[1], tilt(rotation_matrix(truth.q_nb)))

@@ -15,6 +15,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from companion.record.folder import written_whole
+
 SCHEMA = "companion.status/1"
 SILENT_AFTER = 5.0
 """s without a new word after which a running companion hangs."""
@@ -40,12 +42,7 @@ class Notice:
 
     def write(self, said: Mapping[str, Any]) -> None:
         """Say where the flight stands."""
-        text = json.dumps({**self._about, **said, "written_at": time.time()})
-        part = self._file.with_suffix(".part")
-        with contextlib.suppress(OSError):
-            self._file.parent.mkdir(parents=True, exist_ok=True)
-            part.write_text(text, encoding="utf-8")
-            part.replace(self._file)
+        written_whole(self._file, json.dumps({**self._about, **said, "written_at": time.time()}))
 
     def remove(self) -> None:
         """The flight is over."""

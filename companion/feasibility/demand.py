@@ -23,8 +23,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Demand:
     """At n places: ``thrust`` N, ``tilt`` rad, ``rates`` rad/s (3, n), ``torques`` N m (3, n), ``motors`` as shares of
-    each rotor's command range (4, n), and ``without_yaw`` the same where nothing turns about the thrust axis,
-    ``yaw_rate`` rad/s and ``yaw_acceleration`` rad/s^2 of the heading,
+    each rotor's command range (4, n), ``yaw_rate`` rad/s and ``yaw_acceleration`` rad/s^2 of the heading,
     ``acceleration`` m/s^2 (the paper's V-dot), ``along`` m/s^2 (its part along the path), ``speed`` m/s."""
 
     thrust: Array
@@ -32,7 +31,6 @@ class Demand:
     rates: Array
     torques: Array
     motors: Array
-    without_yaw: Array
     yaw_rate: Array
     yaw_acceleration: Array
     acceleration: Array
@@ -48,20 +46,24 @@ def demand(stations: Stations, vehicle: Vehicle, scale: float = 1.0) -> Demand:
     values = _recorded(stations.heading)(*stations.path[1:].reshape(12, -1), *alpha, *beta, *parameters)
     thrust, down = values[0], values[1]
     torques = values[5:8]
-    level = np.concatenate([torques[:2], np.zeros_like(torques[2:])])
     return Demand(
         thrust=thrust,
         tilt=np.arccos(np.clip(down, -1.0, 1.0)),
         rates=values[2:5],
         torques=torques,
         motors=_motors(vehicle, np.concatenate([thrust[None], torques])),
-        without_yaw=_motors(vehicle, np.concatenate([thrust[None], level])),
         yaw_rate=beta[1] * alpha[0],
         yaw_acceleration=beta[2] * alpha[0] ** 2 + beta[1] * alpha[0] * alpha[1],
         acceleration=values[8],
         along=alpha[0] * alpha[1],
         speed=np.abs(alpha[0]),
     )
+
+
+def without_yaw(asked: Demand, vehicle: Vehicle) -> Array:
+    """``motors`` where nothing turns the vehicle about its thrust axis."""
+    level = asked.torques * np.array([[1.0], [1.0], [0.0]])
+    return _motors(vehicle, np.concatenate([asked.thrust[None], level]))
 
 
 def _motors(vehicle: Vehicle, wrench: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.allocation import Allocation
-from companion.feasibility.demand import Demand
+from companion.feasibility.demand import Demand, without_yaw
 from companion.law.feedback import Bounds
 from companion.steering.thrust import THRUST_SHARE_MAX, ZETA_MAX, ZETA_MIN
 from companion.vehicle import MotorInterface, Vehicle
@@ -109,7 +109,7 @@ def _motors(asked: Array, vehicle: Vehicle) -> list[Quantity]:
 
 def use_without_yaw(asked: Demand, vehicle: Vehicle) -> float:
     """The largest share of any motor's range used anywhere, were the heading let go."""
-    return max(float(np.max(q.used)) for q in _motors(asked.without_yaw, vehicle))
+    return max(float(np.max(q.used)) for q in _motors(without_yaw(asked, vehicle), vehicle))
 
 
 def worst_use(asked: Demand, vehicle: Vehicle) -> float:

@@ -114,8 +114,8 @@ def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First
     elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None:
         setpoint = neutral(plan, memory.state, seen.status.landed is not Landed.IN_AIR)
     if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR:
-        fresh = memory.state_at is not None and now - memory.state_at <= STALE_AFTER
-        usable = fresh and not memory.same_attitude
+        recent = memory.state_at is not None and now - memory.state_at <= STALE_AFTER
+        usable = recent and not memory.same_attitude
         setpoint = plan.steering.level(memory.state if usable else None, memory.steering)
     if setpoint is not None and not memory.flew and memory.phase is not Phase.STAND_BY:
         memory = memory._replace(flew=True)

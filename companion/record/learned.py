@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 from companion.estimation.learned import Learned, sane
+from companion.record.folder import written_whole
 
 SCHEMA = "companion.learned/1"
 DAY = 86400.0
@@ -43,11 +44,4 @@ def remembered(file: Path, learned: Learned) -> bool:
         "rate_loop_lag_s": round(learned.rate_lag, 4),
         "flown_at": round(time.time(), 1),
     }
-    part = file.with_suffix(".part")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
-        part.replace(file)
-    except OSError:
-        return False
-    return True
+    return written_whole(file, json.dumps(told, indent=2) + "\n")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 from sim_bridge.autopilot.events import (
     BY_REASON,
@@ -16,23 +17,30 @@ from sim_bridge.autopilot.health_report import (
     ARMING_SUMMARY,
     COMMUNICATION,
     GLOBAL_POSITION,
+    GPS,
     HEALTH_SUMMARY,
     LOCAL_POSITION,
+    NO_GLOBE,
+    NO_MISSION,
+    NO_OPERATOR,
+    NO_PLACE,
+    NO_STICKS,
+    NO_STREAM,
+    NOT_THIS_MODE,
     NUMBERS,
     REMOTE_CONTROL,
     SYSTEM,
 )
 
-GPS_PART = 3
 PARTS = {
-    GPS_PART: "GPS", REMOTE_CONTROL: "Remote control", COMMUNICATION: "Communication links",
+    GPS: "GPS", REMOTE_CONTROL: "Remote control", COMMUNICATION: "Communication links",
     LOCAL_POSITION: "Local position estimate", SYSTEM: "System", GLOBAL_POSITION: "Global position estimate",
 }  # fmt: skip
 CHECKS = {
-    11464574: "No offboard signal", 1871713: "Mode not suitable for arming",
-    13835193: "Navigation error: No valid position estimate",
-    10011251: "Navigation error: No valid global position estimate", 377561: "No valid mission available",
-    453929: "No manual control input", 6801787: "No connection to the ground control station",
+    NO_STREAM: "No offboard signal", NOT_THIS_MODE: "Mode not suitable for arming",
+    NO_PLACE: "Navigation error: No valid position estimate",
+    NO_GLOBE: "Navigation error: No valid global position estimate", NO_MISSION: "No valid mission available",
+    NO_STICKS: "No manual control input", NO_OPERATOR: "No connection to the ground control station",
 }  # fmt: skip
 PART, MODES, REASON = "health_component_t", "navigation_mode_group_t", "arm_disarm_reason_t"
 KINDS = {"f": "float", "i": "int32_t", "h": "int16_t", "B": "uint8_t"}
@@ -40,7 +48,7 @@ KINDS = {"f": "float", "i": "int32_t", "h": "int16_t", "B": "uint8_t"}
 _GROUP = re.compile(r"(?<!\\)\(.*?(?<!\\)\)")
 
 
-def event_table() -> dict[str, object]:
+def event_table() -> dict[str, Any]:
     """All of it."""
     of_a_check = _arguments(("modes", MODES), ("health_component_index", "uint8_t"))
     checks = {str(identity): _event(f"check_{identity}", text, of_a_check) for identity, text in CHECKS.items()}

@@ -44,6 +44,8 @@ PRESENT = 0x38020D02
 """The parts PX4's simulation has as soon as it is up; GPS and the link to an operator come later."""
 GPS = 3
 ARMING_SUMMARY, HEALTH_SUMMARY = 11047904, 1914663
+NO_STREAM, NOT_THIS_MODE, NO_PLACE, NO_GLOBE = 11464574, 1871713, 13835193, 10011251
+NO_MISSION, NO_STICKS, NO_OPERATOR = 377561, 453929, 6801787
 PROTOCOL, ERROR, WARNING, INFO = 0x88, 0x33, 0x44, 0x66
 """Log levels, to the log and to others."""
 
@@ -91,20 +93,20 @@ def failing(known: Known) -> list[Check]:
     checks = []
     offboard, mission = bits(Mode.OFFBOARD), bits(Mode.MISSION)
     if not known.stream:
-        checks.append(Check(11464574, ERROR, offboard, offboard, offboard, SYSTEM))
+        checks.append(Check(NO_STREAM, ERROR, offboard, offboard, offboard, SYSTEM))
     if not known.armed and NOT_TO_ARM_IN >> NUMBERS.get(known.mode, 0) & 1:
-        checks.append(Check(1871713, INFO, NOT_TO_ARM_IN, NOT_TO_ARM_IN, 0, SYSTEM))
+        checks.append(Check(NOT_THIS_MODE, INFO, NOT_TO_ARM_IN, NOT_TO_ARM_IN, 0, SYSTEM))
     if not known.ready:
-        checks.append(Check(13835193, ERROR, WITH_A_PLACE, WITH_A_PLACE, WITH_A_PLACE, LOCAL_POSITION))
-        checks.append(Check(10011251, ERROR, WITH_THE_GLOBE, WITH_THE_GLOBE, WITH_THE_GLOBE, GLOBAL_POSITION))
+        checks.append(Check(NO_PLACE, ERROR, WITH_A_PLACE, WITH_A_PLACE, WITH_A_PLACE, LOCAL_POSITION))
+        checks.append(Check(NO_GLOBE, ERROR, WITH_THE_GLOBE, WITH_THE_GLOBE, WITH_THE_GLOBE, GLOBAL_POSITION))
     if not known.mission:
         kept = ALL_BITS if known.mission_needed else mission
-        checks.append(Check(377561, INFO, kept, kept, mission, SYSTEM))
+        checks.append(Check(NO_MISSION, INFO, kept, kept, mission, SYSTEM))
     if not known.sticks:
-        checks.append(Check(453929, WARNING, ALL_BITS, WITH_STICKS, WITH_STICKS, REMOTE_CONTROL))
+        checks.append(Check(NO_STICKS, WARNING, ALL_BITS, WITH_STICKS, WITH_STICKS, REMOTE_CONTROL))
     if not known.operator:
         kept, levels = (ALL_BITS, WARNING) if known.operator_needed else (0, INFO)
-        checks.append(Check(6801787, levels, ALL_BITS, kept, 0, COMMUNICATION))
+        checks.append(Check(NO_OPERATOR, levels, ALL_BITS, kept, 0, COMMUNICATION))
     return checks
 
 
