@@ -8,14 +8,14 @@ The machine
     rigid_body    the derivative of the motion, summed rotor by rotor
     integrate     fixed-step Runge-Kutta
     environment   the ground, and hands that hold
-    chance        processes with a memory
+    noise         processes with a memory
     gusts         Dryden's turbulence
     plant         all of it, one step at a time
     sensors       truth to the estimate the autopilot flies by
 What happens
-    script        a world's events by the clock
-    happenings    what they do to machine, estimate, messages and links
-    passage       what becomes of datagrams on their way
+    event_schedule  a world's events by the clock
+    world_events    what they do to machine, estimate, messages and links
+    link_model      what becomes of datagrams on their way
 The stand-in PX4
     control/      rate, attitude and position loops, mixing
     autopilot/    arming, modes, offboard, landing; streams, commands, links

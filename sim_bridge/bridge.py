@@ -16,15 +16,15 @@ from companion.mavlink.codec import Counters, Frame
 from companion.vehicle import MotorInterface, Vehicle
 from companion.world import Start, World
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.link import COMPONENT, SYSTEM, Link
+from sim_bridge.autopilot.mavlink.link import COMPONENT, SYSTEM, Link
+from sim_bridge.autopilot.mavlink.streams import GROUND_STATION, ONBOARD, Boot, Streams
 from sim_bridge.autopilot.messages import Values
-from sim_bridge.autopilot.streams import GROUND_STATION, ONBOARD, Boot, Streams
-from sim_bridge.chance import Cause, normals
 from sim_bridge.control.position import Target
-from sim_bridge.happenings import WorldEvents
-from sim_bridge.passage import Passage
+from sim_bridge.link_model import Passage
+from sim_bridge.noise import Cause, normals
 from sim_bridge.plant import OFF, Plant, Truth
 from sim_bridge.sensors import Sensors, exact
+from sim_bridge.world_events import WorldEvents
 
 FAST_STATE = 250.0
 """Hz. A vehicle that is asked for its state more often than this steps at 1 ms instead of PX4's 4 ms."""

@@ -13,7 +13,7 @@ import math
 
 from companion.frames import Vec3
 from companion.world.air import DrydenGusts, Gusts
-from sim_bridge.chance import Draw, FirstOrder, SecondOrder
+from sim_bridge.noise import Draw, FirstOrder, SecondOrder
 
 AIRSPEED_MIN = 0.5
 """m/s. A vehicle that drifts with the air still feels the gusts pass, for they do not last for ever."""

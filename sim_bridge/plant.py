@@ -10,9 +10,9 @@ from companion.vehicle import Vehicle
 from companion.world import World
 from sim_bridge import environment
 from sim_bridge.battery import Cells
-from sim_bridge.chance import Cause, normals
 from sim_bridge.gusts import GustyAir
 from sim_bridge.integrate import Motion, runge_kutta
+from sim_bridge.noise import Cause, normals
 from sim_bridge.rigid_body import body_of, derivative_of, true_vehicle
 from sim_bridge.rotors import Four, lagging, spinning, thrust_wanted
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from companion.frames import Quaternion, Vec3, from_rotation_vector, multiply
 from companion.world.estimate import Drift, Errors, Noise
 from companion.world.events import EstimatorReset
-from sim_bridge.chance import Draw, FirstOrder, SecondOrder
+from sim_bridge.noise import Draw, FirstOrder, SecondOrder
 from sim_bridge.plant import Truth
 
 RESETS_OF_A_BOOT = 11

@@ -13,7 +13,7 @@ from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.parameters import RETRY_AFTER, TRIES, TUNING, Parameters
 from companion.vehicle import CompanionError, MotorInterface, OutputLevel, Tuning, Vehicle
-from sim_bridge.autopilot.parameter_link import ParameterLink
+from sim_bridge.autopilot.mavlink.parameter_link import ParameterLink
 from sim_bridge.autopilot.parameters import defaults
 
 PX4 = Tuning(offboard_loss_time=1.0, offboard_loss_action=0)

@@ -15,8 +15,8 @@ from companion.frames import Vec3
 from companion.world import Battery, Deviations, Event, World
 from companion.world.air import DrydenGusts, Gusts
 from companion.world.machine import RotorDynamics
-from sim_bridge.chance import Cause, FirstOrder, SecondOrder, normals
 from sim_bridge.gusts import GustyAir
+from sim_bridge.noise import Cause, FirstOrder, SecondOrder, normals
 from sim_bridge.plant import Plant
 from sim_bridge.rotors import spinning
 from tests.plant_client import Client

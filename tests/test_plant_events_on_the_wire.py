@@ -6,9 +6,9 @@ import struct
 from typing import Any
 
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.event_table import event_table
-from sim_bridge.autopilot.events import PLAIN, event_of
-from sim_bridge.autopilot.health_report import Known, report
+from sim_bridge.autopilot.commander.event_table import event_table
+from sim_bridge.autopilot.commander.events import PLAIN, event_of
+from sim_bridge.autopilot.commander.health_report import Known, report
 from tests.plant_client import ARM, NAN, TAKEOFF, Client
 
 EXTERNAL_COMMAND, HOLD = 4, 5

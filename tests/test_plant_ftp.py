@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from sim_bridge.autopilot.file_link import DATA, HEADER, Fault, Op
+from sim_bridge.autopilot.mavlink.file_link import DATA, HEADER, Fault, Op
 from tests.plant_client import ACCEPTED, Client
 
 

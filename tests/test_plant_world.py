@@ -22,8 +22,8 @@ from companion.world.events import (
     Push,
     When,
 )
-from sim_bridge.chance import Cause, normals
-from sim_bridge.passage import Passage
+from sim_bridge.link_model import Passage
+from sim_bridge.noise import Cause, normals
 from sim_bridge.plant import Plant
 from sim_bridge.sensors import Sensors
 from tests.plant_client import ACCEPTED, Client

@@ -10,24 +10,26 @@ from companion.mavlink.modes import Landed, Mode
 from companion.vehicle import Vehicle
 from companion.world import Battery as Pack
 from companion.world import Home
-from sim_bridge.autopilot import fact_watch, mission_watch, parameters
-from sim_bridge.autopilot.battery import Battery
-from sim_bridge.autopilot.commander import MANUAL, READY_AFTER, Commander, Result, Severity
-from sim_bridge.autopilot.contacts import Contacts
-from sim_bridge.autopilot.events import Events
-from sim_bridge.autopilot.fence_watch import FenceWatch
-from sim_bridge.autopilot.guidance import Guidance, TakeOff, Throttle
-from sim_bridge.autopilot.health_report import HealthReport
-from sim_bridge.autopilot.landing import LandingDetector
+from sim_bridge.autopilot import parameters
+from sim_bridge.autopilot.commander import failsafe_flags
+from sim_bridge.autopilot.commander.battery import Battery
+from sim_bridge.autopilot.commander.commander import MANUAL, READY_AFTER, Commander, Result, Severity
+from sim_bridge.autopilot.commander.contacts import Contacts
+from sim_bridge.autopilot.commander.events import Events
+from sim_bridge.autopilot.commander.fence_watch import FenceWatch
+from sim_bridge.autopilot.commander.health_report import HealthReport
+from sim_bridge.autopilot.commander.home_position import Whereabouts
+from sim_bridge.autopilot.commander.landing import LandingDetector
+from sim_bridge.autopilot.commander.tilt_watch import TiltWatch
+from sim_bridge.autopilot.flight_modes.guidance import Guidance, TakeOff, Throttle
+from sim_bridge.autopilot.flight_modes.manual import BY_PLACE_OR_HEIGHT, StickFlight
+from sim_bridge.autopilot.flight_modes.manual_control import CENTRED, Deflection, Sticks
+from sim_bridge.autopilot.flight_modes.offboard import PlaceFlight
+from sim_bridge.autopilot.flight_modes.position_setpoints import GLOBAL_INT, GLOBAL_RELATIVE_INT, PositionDemand
+from sim_bridge.autopilot.flight_modes.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
+from sim_bridge.autopilot.missions import mission_watch
 from sim_bridge.autopilot.missions.flight import MissionFlight
 from sim_bridge.autopilot.missions.store import Store
-from sim_bridge.autopilot.offboard import PlaceFlight
-from sim_bridge.autopilot.position_setpoints import GLOBAL_INT, GLOBAL_RELATIVE_INT, PositionDemand
-from sim_bridge.autopilot.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
-from sim_bridge.autopilot.stick_flight import BY_PLACE_OR_HEIGHT, StickFlight
-from sim_bridge.autopilot.sticks import CENTRED, Deflection, Sticks
-from sim_bridge.autopilot.tilt_watch import TiltWatch
-from sim_bridge.autopilot.whereabouts import Whereabouts
 from sim_bridge.control.cascade import Cascade
 from sim_bridge.plant import Truth
 from sim_bridge.rotors import Four
@@ -185,10 +187,10 @@ class Autopilot:
         commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
-        fact_watch.gather(self, SUPERVISION_US * 1e-6)
+        failsafe_flags.gather(self, SUPERVISION_US * 1e-6)
         mission_watch.look_after(self)
         commander.update(self.t)
-        for said in self._health.update(self.t, fact_watch.known_to_the_health_report(self)):
+        for said in self._health.update(self.t, failsafe_flags.known_to_the_health_report(self)):
             self.events.keep(*said, estimate.time_us)
         self.whereabouts.update(estimate, commander.armed, commander.landed)
 

@@ -12,11 +12,11 @@ Some commands PX4 leaves to a module that is not there: those get no answer at a
 from __future__ import annotations
 
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander import Result
+from sim_bridge.autopilot.commander.commander import Result
 from sim_bridge.autopilot.commands import modes, navigation, services
+from sim_bridge.autopilot.commands.command_parameters import place_given, stray
 from sim_bridge.autopilot.commands.modes import set_mode
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, is_integer_max
-from sim_bridge.autopilot.commands.taken import place_given, stray
 
 __all__ = ["SET_MODE", "Command", "Wire", "execute", "is_integer_max", "place_given", "set_mode", "stray"]
 

@@ -6,10 +6,10 @@ import math
 
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander import FORCE, Result, Severity
+from sim_bridge.autopilot.commander.commander import FORCE, Result, Severity
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, byte, whole
-from sim_bridge.autopilot.guidance import TakeOff
-from sim_bridge.autopilot.orbit import ordered
+from sim_bridge.autopilot.flight_modes.guidance import TakeOff
+from sim_bridge.autopilot.flight_modes.orbit import ordered
 
 RETURN_TO_LAUNCH, LAND, TAKEOFF, PRECISION_LAND, ORBIT = 20, 21, 22, 23, 34  # MAV_CMD_NAV_* and DO_ORBIT
 SET_MODE, FLIGHT_TERMINATION, SET_STANDARD_MODE, ARM_DISARM = 176, 185, 262, 400

@@ -7,10 +7,10 @@ import math
 from companion.frames import Vec3, quaternion_from_euler
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander import Result, Severity
+from sim_bridge.autopilot.commander.commander import Result, Severity
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire
+from sim_bridge.autopilot.missions.do_commands import change_speed, look_at
 from sim_bridge.autopilot.missions.store import Kind
-from sim_bridge.autopilot.orders import change_speed, look_at
 
 CHANGE_SPEED, SET_HOME, CHANGE_ALTITUDE, LAND_START, GO_AROUND, REPOSITION = (
     178,

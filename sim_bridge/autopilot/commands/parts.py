@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander import Result
+from sim_bridge.autopilot.commander.commander import Result
 
 GROUND_STATION_COMPONENT = 190  # MAV_COMP_ID_MISSIONPLANNER
 NOT_GIVEN = 2**31 - 1

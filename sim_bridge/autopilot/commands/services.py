@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander import Result, Severity
+from sim_bridge.autopilot.commander.commander import Result, Severity
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, whole
 
 MESSAGE_INTERVAL = 244

@@ -7,9 +7,9 @@ from typing import NamedTuple
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.files import GENERAL_METADATA, GENERAL_METADATA_URI
+from sim_bridge.autopilot.flight_modes.setpoints import MotorDemand, RateDemand
+from sim_bridge.autopilot.mavlink.files import GENERAL_METADATA, GENERAL_METADATA_URI
 from sim_bridge.autopilot.messages.parts import Values
-from sim_bridge.autopilot.setpoints import MotorDemand, RateDemand
 
 QUADROTOR, PX4 = 2, 12  # MAV_TYPE, MAV_AUTOPILOT
 ARMED, MANUAL_INPUT, STABILIZED, GUIDED, AUTO, CUSTOM = 0x80, 0x40, 0x10, 0x08, 0x04, 0x01

@@ -7,6 +7,7 @@ import math
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
+from sim_bridge.autopilot.flight_modes.setpoints import AttitudeDemand, MotorDemand, RateDemand
 from sim_bridge.autopilot.messages.parts import (
     NAN,
     Values,
@@ -16,7 +17,6 @@ from sim_bridge.autopilot.messages.parts import (
     level,
     uint16,
 )
-from sim_bridge.autopilot.setpoints import AttitudeDemand, MotorDemand, RateDemand
 from sim_bridge.control.position import Target
 from sim_bridge.rotors import Four
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Value, message
-from sim_bridge.autopilot.commander import Severity, Text
+from sim_bridge.autopilot.commander.commander import Severity, Text
 from sim_bridge.autopilot.missions.items import (
     ITEM,
     ITEM_INT,
@@ -18,8 +18,8 @@ from sim_bridge.autopilot.missions.items import (
     of_a_fence,
     read,
 )
+from sim_bridge.autopilot.missions.mission_messages import ACK, COUNT, REQUEST, REQUEST_INT, Peer, Progress, Send, Voice
 from sim_bridge.autopilot.missions.store import ALL, MOST, Kind, Store
-from sim_bridge.autopilot.missions.voice import ACK, COUNT, REQUEST, REQUEST_INT, Peer, Progress, Send, Voice
 
 GIVE_UP_US, AGAIN_US = 5_000_000, 250_000
 """us of silence after which a transfer is given up, and after which the partner is asked again."""

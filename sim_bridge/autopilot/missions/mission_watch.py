@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.commander import Severity
+from sim_bridge.autopilot.commander.commander import Severity
 from sim_bridge.autopilot.missions.checks import fault_of
+from sim_bridge.autopilot.missions.do_commands import carry_out
 from sim_bridge.autopilot.missions.store import Kind
-from sim_bridge.autopilot.orders import carry_out
 
 if TYPE_CHECKING:
     from sim_bridge.autopilot.autopilot import Autopilot

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value, message
-from sim_bridge.autopilot.files import DIRECTORIES, FILES
+from sim_bridge.autopilot.mavlink.files import DIRECTORIES, FILES
 
 FTP = message("FILE_TRANSFER_PROTOCOL")
 HEADER = struct.Struct("<HBBBBBBI")

@@ -7,21 +7,23 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
-from sim_bridge.autopilot import events, file_link, parameter_link, position_setpoints
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander import Result, Severity, Text
+from sim_bridge.autopilot.commander import events
+from sim_bridge.autopilot.commander.commander import Result, Severity, Text
 from sim_bridge.autopilot.commands import SET_MODE, Command, execute, is_integer_max, place_given, set_mode, stray
 from sim_bridge.autopilot.commands.parts import GROUND_STATION_COMPONENT
-from sim_bridge.autopilot.file_link import FileLink
-from sim_bridge.autopilot.greeting import Greeting
+from sim_bridge.autopilot.flight_modes import position_setpoints
+from sim_bridge.autopilot.flight_modes.manual_control import MANUAL_CONTROL, deflection
+from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
+from sim_bridge.autopilot.flight_modes.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
+from sim_bridge.autopilot.mavlink import file_link, parameter_link
+from sim_bridge.autopilot.mavlink.boot_messages import Greeting
+from sim_bridge.autopilot.mavlink.file_link import FileLink
+from sim_bridge.autopilot.mavlink.parameter_link import ParameterLink
+from sim_bridge.autopilot.mavlink.streams import Streams
 from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
 from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
 from sim_bridge.autopilot.missions.protocol import MissionLink
-from sim_bridge.autopilot.parameter_link import ParameterLink
-from sim_bridge.autopilot.position_setpoints import PositionDemand
-from sim_bridge.autopilot.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
-from sim_bridge.autopilot.sticks import MANUAL_CONTROL, deflection
-from sim_bridge.autopilot.streams import Streams
 
 SYSTEM, COMPONENT = 1, 1
 GROUND_STATION = 6  # MAV_TYPE_GCS

@@ -11,8 +11,8 @@ import math
 from typing import NamedTuple
 
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.causes import AtArming, Facts, causes, fallback
-from sim_bridge.autopilot.failsafe import FLOWN, Action, Failsafe, Option, Situation, Takeover
+from sim_bridge.autopilot.commander.failsafe import FLOWN, Action, Failsafe, Option, Situation, Takeover
+from sim_bridge.autopilot.commander.failsafe_checks import AtArming, Facts, causes, fallback
 from sim_bridge.autopilot.parameters import Parameters
 
 READY_AFTER = 4.4

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion.mavlink.dialect import BY_NAME
-from sim_bridge.autopilot.stream_table import ESTIMATOR_US, SILENT, TABLE, Row
+from sim_bridge.autopilot.mavlink.stream_table import ESTIMATOR_US, SILENT, TABLE, Row
 
 STOPPED = -1
 """The interval of a stream that is off; also what PX4 tells of one that is not limited."""

@@ -5,15 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from sim_bridge.autopilot.events import (
-    BY_REASON,
-    FAILSAFE,
-    FAILSAFE_AFTER_HOLD,
-    PLAIN,
-    REASONS,
-    WITH_NUMBERS,
-)
-from sim_bridge.autopilot.health_report import (
+from sim_bridge.autopilot.commander.events import BY_REASON, FAILSAFE, FAILSAFE_AFTER_HOLD, PLAIN, REASONS, WITH_NUMBERS
+from sim_bridge.autopilot.commander.health_report import (
     ARMING_SUMMARY,
     COMMUNICATION,
     GLOBAL_POSITION,

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.commander import Severity, Text
+from sim_bridge.autopilot.commander.commander import Severity, Text
 
 EVENT, SEQUENCE = message("EVENT"), message("CURRENT_EVENT_SEQUENCE")
 REQUEST, MISSING = message("REQUEST_EVENT"), message("RESPONSE_EVENT_ERROR")

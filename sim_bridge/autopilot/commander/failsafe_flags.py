@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.battery import ChargeState
-from sim_bridge.autopilot.commander import Severity, Text
-from sim_bridge.autopilot.health_report import Known
-from sim_bridge.autopilot.setpoints import MotorDemand, RateDemand
+from sim_bridge.autopilot.commander.battery import ChargeState
+from sim_bridge.autopilot.commander.commander import Severity, Text
+from sim_bridge.autopilot.commander.health_report import Known
+from sim_bridge.autopilot.flight_modes.setpoints import MotorDemand, RateDemand
 
 if TYPE_CHECKING:
     from sim_bridge.autopilot.autopilot import Autopilot

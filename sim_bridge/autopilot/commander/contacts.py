@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim_bridge.autopilot.commander import Commander, Severity
+from sim_bridge.autopilot.commander.commander import Commander, Severity
 from sim_bridge.autopilot.parameters import Parameters
 
 GROUND_STATION, COMPANION = 6, 18  # MAV_TYPE_GCS, MAV_TYPE_ONBOARD_CONTROLLER

@@ -6,10 +6,10 @@ import math
 
 from companion.frames import Quaternion, euler_from_rotation, multiply, rotation_matrix
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
+from sim_bridge.autopilot.flight_modes.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
+from sim_bridge.autopilot.flight_modes.manual_control import Deflection
+from sim_bridge.autopilot.flight_modes.setpoints import AttitudeDemand, RateDemand
 from sim_bridge.autopilot.parameters import Parameters
-from sim_bridge.autopilot.setpoints import AttitudeDemand, RateDemand
-from sim_bridge.autopilot.sticks import Deflection
 from sim_bridge.control.position import Target
 from sim_bridge.control.reference import Pace, Reference, along
 from sim_bridge.sensors import Estimate

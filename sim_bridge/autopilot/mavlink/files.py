@@ -8,7 +8,7 @@ import zlib
 from dataclasses import dataclass
 from functools import cached_property
 
-from sim_bridge.autopilot.event_table import event_table
+from sim_bridge.autopilot.commander.event_table import event_table
 from sim_bridge.autopilot.parameters import table
 
 GENERAL_METADATA_PATH = "etc/extras/component_general.json.xz"

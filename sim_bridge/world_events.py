@@ -20,9 +20,9 @@ from companion.world.events import (
     Silence,
     Wind,
 )
+from sim_bridge.event_schedule import Script
 from sim_bridge.plant import STILL, Plant
 from sim_bridge.rotors import Four
-from sim_bridge.script import Script
 from sim_bridge.sensors import Sensors
 
 Values = tuple[Value, ...]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from companion.frames import euler_from_rotation, rotation_matrix
-from sim_bridge.autopilot.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
+from sim_bridge.autopilot.flight_modes.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
+from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
 from sim_bridge.autopilot.parameters import Parameters
-from sim_bridge.autopilot.position_setpoints import PositionDemand
 from sim_bridge.control.position import Target
 from sim_bridge.sensors import Estimate
 

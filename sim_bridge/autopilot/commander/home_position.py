@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from companion.frames import Quaternion, Vec3
-from sim_bridge.autopilot.guidance import Guidance
+from sim_bridge.autopilot.flight_modes.guidance import Guidance
 from sim_bridge.sensors import Estimate
 
 ORIGIN_AFTER, HOME_AFTER, POSITION_AFTER = 0.63, 1.9, 2.7

@@ -6,7 +6,7 @@ import heapq
 import random
 
 from companion.world.link import Way
-from sim_bridge.chance import Cause
+from sim_bridge.noise import Cause
 
 OVERTAKEN_FOR_US = 20_000
 """us a datagram that is overtaken comes later than it should."""

@@ -6,7 +6,7 @@ import math
 
 from companion.frames import Vec3
 from companion.geodesy import MapProjection
-from sim_bridge.autopilot.commander import Commander, Severity
+from sim_bridge.autopilot.commander.commander import Commander, Severity
 from sim_bridge.autopilot.missions.fence import Area, allowed, areas_of
 from sim_bridge.autopilot.missions.store import Kind, Store
 from sim_bridge.autopilot.parameters import Parameters

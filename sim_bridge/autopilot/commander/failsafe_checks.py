@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.battery import ChargeState
-from sim_bridge.autopilot.failsafe import Action, Option, Takeover, Until
+from sim_bridge.autopilot.commander.battery import ChargeState
+from sim_bridge.autopilot.commander.failsafe import Action, Option, Takeover, Until
 from sim_bridge.autopilot.parameters import Parameters
 
 TERMINATION_IS_LOCKED = 121212

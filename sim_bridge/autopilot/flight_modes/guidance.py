@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.modes import Mode
 from companion.vehicle import GRAVITY
-from sim_bridge.autopilot.heading import Nose
+from sim_bridge.autopilot.flight_modes.heading import Nose
+from sim_bridge.autopilot.flight_modes.orbit import Orbit
 from sim_bridge.autopilot.missions.flight import Leg, MissionFlight
-from sim_bridge.autopilot.orbit import Orbit
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.control.position import Axes, Target
 from sim_bridge.control.reference import Pace, Reference, along, towards

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from companion.frames import Quaternion
 from companion.mavlink.dialect import Value, message
-from sim_bridge.autopilot.position_setpoints import PositionDemand
+from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
 from sim_bridge.control.rates import RatesWanted
 from sim_bridge.rotors import Four
 
