@@ -22,7 +22,7 @@ from companion.feasibility.report import check
 from companion.feasibility.words import headline
 from companion.plan import law_level
 from companion.vehicle import OutputLevel
-from tests.agreement import LAP_MAX, Extremes, asked, flown, random_mission, scaled
+from trials.agreement import LAP_MAX, Extremes, asked, flown, random_mission, scaled
 
 
 def main() -> None:

@@ -16,7 +16,7 @@ from companion.cli.check import looked_at
 from companion.cli.orders import read_sortie
 from companion.cli.output import Output
 from companion.config.faults import ConfigError
-from tests.mutated import cases
+from trials.mutated import cases
 
 SOON = 3.0
 """s of a core."""

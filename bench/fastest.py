@@ -33,7 +33,7 @@ from companion.law.gains import Level
 from companion.mission import Mission
 from companion.profiles import AutoSpeed
 from companion.vehicle import OutputLevel, Vehicle
-from tests.agreement import Flown, flown
+from trials.agreement import Flown, flown
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,165 @@
+"""When a state is expected, and what the control thread does with the time before; what the system permits."""
+
+from __future__ import annotations
+
+import math
+import random
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from companion import pilot
+from companion.daemon import realtime
+from companion.daemon.rehearsal import Rehearsal
+from companion.daemon.rhythm import MARGIN, WATCH_MAX, Rhythm
+from companion.daemon.urgency import parted
+from companion.mavlink.codec import Encoder
+from companion.mavlink.dialect import message
+from companion.mavlink.telemetry import WANTED
+from tests.support.flights import Flown, flight
+
+PERIOD = 0.004
+
+
+def heard(rhythm: Rhythm, count: int, jitter: float, begin: float = 0.0, seed: int = 3) -> float:
+    """Let states arrive; when the next is due."""
+    rng = random.Random(seed)
+    for i in range(count):
+        rhythm.arrived(begin + i * PERIOD + rng.uniform(-jitter, jitter))
+    return begin + count * PERIOD
+
+
+def test_it_is_ready_a_little_before_a_state_is_due() -> None:
+    rhythm = Rhythm()
+    due = heard(rhythm, 400, 5e-5)
+    now = rhythm.rehearse_at(due - 0.5 * PERIOD)
+    assert due - 1e-3 < now < due - 2.0 * MARGIN
+    times = 0
+    while (at := rhythm.rehearse_at(now)) < math.inf:
+        assert at == now  # one after the other
+        now += 2e-4
+        rhythm.rehearsed(at, now)
+        times += 1
+    assert times >= 2
+    assert due - 3.0 * MARGIN - 2e-4 < now < due - MARGIN  # until none fits before the state
+    assert due < rhythm.watch_until <= now + WATCH_MAX
+    rhythm.arrived(due)
+    assert rhythm.watch_until == -math.inf
+    assert rhythm.rehearse_at(due) < math.inf
+
+
+def test_without_a_rhythm_it_waits() -> None:
+    assert Rhythm().rehearse_at(0.0) == math.inf
+    rhythm = Rhythm()
+    due = heard(rhythm, 400, 1.9e-3)
+    assert rhythm.rehearse_at(due - 0.5 * PERIOD) == math.inf
+    rhythm = Rhythm()
+    due = heard(rhythm, 2, 0.0)
+    assert rhythm.rehearse_at(due - 0.5 * PERIOD) == math.inf  # two are not enough to know
+
+
+def test_a_stall_is_no_part_of_the_rhythm() -> None:
+    rhythm = Rhythm()
+    due = heard(rhythm, 400, 5e-5) + 3.0
+    due = heard(rhythm, 400, 5e-5, due)
+    assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+
+
+def test_a_lost_state_leaves_the_rhythm_as_it_is() -> None:
+    rng, rhythm = random.Random(5), Rhythm()
+    for i in range(600):
+        if i < 300 or rng.random() > 0.3:
+            rhythm.arrived(i * PERIOD + rng.uniform(-5e-5, 5e-5))
+            if i >= 300:
+                due = (i + 1) * PERIOD
+                assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+
+
+@pytest.mark.parametrize("begun", [0.0, 0.1 * PERIOD, 2.0 * PERIOD])
+def test_a_false_start_is_forgotten(begun: float) -> None:
+    """The first two at once, in a burst, or with one lost between them."""
+    rhythm = Rhythm()
+    rhythm.arrived(-begun)
+    rhythm.arrived(0.0)
+    due = heard(rhythm, 300, 5e-5, PERIOD)
+    assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+
+
+def test_another_rate_is_another_rhythm() -> None:
+    rhythm = Rhythm()
+    due = heard(rhythm, 400, 5e-5)
+    for i in range(400):
+        rhythm.arrived(due + 2.0 * i * PERIOD)
+    due += 800.0 * PERIOD
+    assert due - 1e-3 < rhythm.rehearse_at(due - PERIOD) < due
+
+
+def test_a_slow_machine_does_not_rehearse() -> None:
+    rhythm = Rhythm()
+    for _ in range(200):
+        at = heard(rhythm, 1, 0.0, _ * PERIOD)
+        rhythm.rehearsed(at, at + 2e-3)
+    assert rhythm.rehearse_at(at - 0.5 * PERIOD) == math.inf
+
+
+def test_states_that_came_during_rehearsals_make_them_earlier() -> None:
+    early, late = Rhythm(), Rhythm()
+    for i in range(300):
+        early.arrived(i * PERIOD)
+        if i % 2:
+            late.was_late()
+        late.arrived(i * PERIOD + (1e-4 if i % 2 else 0.0))
+    now = 299.5 * PERIOD
+    assert late.rehearse_at(now) < early.rehearse_at(now)
+
+
+def test_what_the_setpoint_needs_goes_first() -> None:
+    encoder = Encoder(1, 1)
+    state, mode, unread = (encoder.message(message(name)) for name in ("ODOMETRY", "CURRENT_MODE", "VFR_HUD"))
+    assert parted([mode, state, mode, unread], WANTED) == ([mode, state], [mode, unread])
+    assert parted([state, mode, state], WANTED) == ([state, mode, state], [])
+    assert parted([mode, unread], WANTED) == ([mode, unread], [])  # no state, no hurry
+    assert parted([unread, mode, state], WANTED) == ([mode, state], [unread])
+    assert parted([unread, mode, state], None) == ([unread, mode, state], [])
+    two = unread + mode  # what else may be in there is not known from the first bytes
+    assert parted([two, b"", b"\xfd", state], WANTED) == ([two, b"", b"\xfd", state], [])
+
+
+def test_a_rehearsal_leaves_no_trace() -> None:
+    """The same flight, bit for bit, with a rehearsal at every step; and it does the work of the tick it repeats."""
+    rehearsal, flown_again = Rehearsal(), []
+
+    def meddle(flown: Flown, now: float) -> None:
+        flown_again.append(rehearsal.fly(flown.conductor))
+
+    plain = flight(duration=1.0)
+    rehearsed = flight(duration=1.0, meddle=meddle)
+    assert rehearsed.setpoints == plain.setpoints
+    assert sum(flown_again) > 200
+    tick = rehearsed.conductor.last
+    assert tick is not None
+    assert rehearsed.conductor.plan is not None
+    assert pilot.step(rehearsed.conductor.plan, tick.before, tick.seen, tick.now) == (tick.memory, tick.outcome)
+
+
+def test_a_conductor_without_a_plan_rehearses_nothing() -> None:
+    assert Rehearsal().fly(cast(Any, SimpleNamespace(last=None, plan=None))) is False
+
+
+def test_what_is_permitted_is_said_in_one_line() -> None:
+    assert realtime._told(True, True) == "real time: SCHED_FIFO 50 and locked memory"
+    assert realtime._told(False, False) == (
+        "real time: at normal priority; not permitted: SCHED_FIFO (LimitRTPRIO=50 or CAP_SYS_NICE), "
+        "locked memory (LimitMEMLOCK=infinity or CAP_IPC_LOCK)"
+    )
+    assert "not permitted: locked memory" in realtime._told(True, False)
+
+
+def test_priority_is_given_back() -> None:
+    import os
+
+    before = os.sched_getscheduler(0)
+    with realtime.punctual() as told:
+        assert told.startswith("real time: ")
+    assert os.sched_getscheduler(0) == before

@@ -1,0 +1,213 @@
+"""The state machine: reachable, always ending, never raising, the human wins."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+from companion.flight.conduct import Finish, Manner
+from companion.flight.guards import CONFIRM_WITHIN, GUARDS, STALE_AFTER, decide
+from companion.flight.phases import EXITS, FLOWN, PHASES, PRE_EMPTIONS, TRANSITIONS, Event, Phase, Request, diagram
+from companion.flight.safety import Action, Verdict, table
+from companion.flight.situation import Answer, Reply, Situation
+from companion.vehicle import Landed, Mode, VehicleStatus
+
+FLYING = VehicleStatus(armed=True, mode=Mode.OFFBOARD, intended=Mode.OFFBOARD, landed=Landed.IN_AIR, ready=True)
+AIRBORNE = (Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK)
+
+
+def situation(phase: Phase, **changes: object) -> Situation:
+    usual = Situation(
+        phase=phase, now=10.0, entered=9.0, status=FLYING, mode_seen=True, state_at=10.0, answer=None, from_ground=False
+    )
+    return usual._replace(**changes)  # type: ignore[arg-type]
+
+
+def test_every_phase_can_be_reached_and_reaches_done() -> None:
+    leads_to = {phase: {following for _, following in exits} for phase, exits in EXITS.items()}
+
+    def reach(start: Phase) -> set[Phase]:
+        found, todo = {start}, [start]
+        while todo:
+            for following in leads_to[todo.pop()] - found:
+                found.add(following)
+                todo.append(following)
+        return found
+
+    assert reach(Phase.PREFLIGHT) == set(Phase)
+    for phase in Phase:
+        assert Phase.DONE in reach(phase)
+    assert EXITS[Phase.DONE] == ()
+
+
+def test_the_tables_name_every_event_and_phase_once() -> None:
+    assert set(GUARDS) == set(Event)
+    assert set(PHASES) == set(Phase)
+    used = {event for _, event in TRANSITIONS} | {event for event, _ in PRE_EMPTIONS}
+    assert used == set(Event)
+
+
+@pytest.mark.parametrize("phase", AIRBORNE)
+def test_a_fault_pre_empts_every_phase_that_steers(phase: Phase) -> None:
+    stale = decide(situation(phase, state_at=10.0 - STALE_AFTER - 0.01))
+    assert stale is not None
+    assert stale[0] is Phase.ABORT
+    failed = decide(situation(phase, law_error="singular"))
+    assert failed is not None
+    assert failed[0] is Phase.ABORT
+    disarmed = decide(situation(phase, status=FLYING._replace(armed=False)))
+    assert disarmed is not None
+    assert disarmed[0] is Phase.RELEASE
+    lost = decide(situation(phase, verdict=Verdict(Action.ABORT, "the vehicle leans")))
+    assert lost == (Phase.ABORT, Event.LOST, "the vehicle leans")
+
+
+@pytest.mark.parametrize("phase", [Phase.TAKE_OVER, *FLOWN])
+def test_a_guard_hands_back_from_every_phase_that_flies(phase: Phase) -> None:
+    unsafe = decide(situation(phase, verdict=Verdict(Action.HAND_BACK, "the battery is at 5 %")))
+    assert unsafe == (Phase.HAND_BACK, Event.UNSAFE, "the battery is at 5 %")
+
+
+def test_a_fault_wins_over_progress() -> None:
+    decision = decide(situation(Phase.FOLLOW, finished="flew 2 laps", state_at=9.0))
+    assert decision is not None
+    assert decision[1] is Event.STALE
+
+
+def test_a_human_who_changes_the_mode_wins() -> None:
+    decision = decide(situation(Phase.FOLLOW, status=FLYING._replace(mode=Mode.POSITION, intended=Mode.POSITION)))
+    assert decision == (Phase.DONE, Event.TAKEN_OVER, "the operator took over: the mode is Position now")
+
+
+def test_a_failsafe_is_left_alone_and_offboard_let_go_of() -> None:
+    decision = decide(situation(Phase.FOLLOW, status=FLYING._replace(mode=Mode.HOLD)))
+    assert decision is not None
+    assert decision[0] is Phase.RELEASE
+    assert "failsafe" in decision[2]
+    returning = FLYING._replace(mode=Mode.RETURN, failsafe=True)
+    assert decide(situation(Phase.RELEASE, status=returning)) is None
+    assert decide(situation(Phase.ABORT, status=returning)) is None  # HOLD was asked for and is not there yet
+    # after landing and disarming the intention is OFFBOARD again
+    assert decide(situation(Phase.RELEASE, status=FLYING._replace(armed=False))) is None
+    over = decide(situation(Phase.RELEASE, status=FLYING._replace(armed=False, mode=Mode.HOLD, intended=Mode.HOLD)))
+    assert over is not None
+    assert over[:2] == (Phase.DONE, Event.LET_GO)
+
+
+def test_a_pilot_may_leave_and_come_back() -> None:
+    on = situation(Phase.STAND_BY, manner=Manner.PILOT)
+    assert decide(on) == (Phase.SETTLE, Event.IN_OFFBOARD, "the pilot selected OFFBOARD")
+    assert decide(on._replace(status=FLYING._replace(landed=Landed.ON_GROUND))) is None
+    left = decide(situation(
+        Phase.FOLLOW, manner=Manner.PILOT, status=FLYING._replace(mode=Mode.POSITION, intended=Mode.POSITION)
+    ))  # fmt: skip
+    assert left == (Phase.STAND_BY, Event.LEFT_OFFBOARD, "the pilot took over: the mode is Position now")
+    assert decide(situation(Phase.HAND_BACK, manner=Manner.PILOT, now=1000.0, state_at=1000.0)) is None
+
+
+def test_a_late_report_of_the_old_mode_is_not_a_human() -> None:
+    """OFFBOARD was accepted, but a heartbeat sent before still says Hold."""
+    old = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
+    assert decide(situation(Phase.FOLLOW, status=old, mode_seen=False)) is None
+    late = decide(situation(Phase.FOLLOW, status=old, mode_seen=False, entered=10.0 - CONFIRM_WITHIN - 0.01))
+    assert late is not None
+    assert late[0] is Phase.HAND_BACK
+
+
+def test_how_it_ends_is_the_users_choice() -> None:
+    hold = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
+    for finish, from_ground, following in (
+        (Finish.AS_BEGUN, True, Phase.LAND), (Finish.AS_BEGUN, False, Phase.DONE), (Finish.RETURN, False, Phase.RETURN),
+        (Finish.LAND, False, Phase.LAND), (Finish.HOLD, True, Phase.DONE),
+    ):  # fmt: skip
+        held = decide(situation(Phase.HAND_BACK, finish=finish, from_ground=from_ground, status=hold))
+        assert held is not None
+        assert held[0] is following
+    faulty = decide(situation(Phase.HAND_BACK, finish=Finish.LAND, faulty=True, status=hold))
+    assert faulty is not None
+    assert faulty[0] is Phase.DONE
+
+
+def test_stop_hands_back_and_does_not_land() -> None:
+    decision = decide(situation(Phase.FOLLOW, stop=True))
+    assert decision is not None
+    assert decision[0] is Phase.HAND_BACK
+    held = decide(
+        situation(
+            Phase.HAND_BACK, stop=True, from_ground=True, status=FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
+        )
+    )
+    assert held is not None
+    assert held[0] is Phase.DONE
+    held = decide(
+        situation(Phase.HAND_BACK, from_ground=True, status=FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD))
+    )
+    assert held is not None
+    assert held[0] is Phase.LAND
+
+
+def test_refusals() -> None:
+    later = Answer(Request.OFFBOARD, Reply.TEMPORARILY_REJECTED)
+    no = Answer(Request.OFFBOARD, Reply.DENIED)
+    waiting = FLYING._replace(mode=Mode.HOLD)
+    assert decide(situation(Phase.TAKE_OVER, answer=later, status=waiting)) is None  # asked again until the time is out
+    decision = decide(situation(Phase.TAKE_OVER, answer=no, status=waiting))
+    assert decision is not None
+    assert decision[2] == "the vehicle refused offboard mode: denied"
+    decision = decide(situation(Phase.TAKE_OVER, answer=later, status=waiting, entered=4.0))
+    assert decision is not None
+    assert decision[2] == "take over was not done within 5 s: the vehicle answered temporarily rejected"
+
+
+def test_random_walks_never_raise_and_always_end() -> None:
+    """Any statuses, answers and clocks, for as long as it takes."""
+    rng = random.Random(5)
+    for _ in range(300):
+        phase, entered, now = Phase.PREFLIGHT, 0.0, 0.0
+        for _ in range(4000):
+            now += rng.choice((0.004, 0.05, 1.0, 20.0))
+            request = PHASES[phase].request
+            decision = decide(
+                Situation(
+                    phase=phase,
+                    now=now,
+                    entered=entered,
+                    status=VehicleStatus(
+                        armed=rng.choice((None, True, False)),
+                        mode=rng.choice((None, *Mode)),
+                        intended=rng.choice((None, *Mode)),
+                        landed=rng.choice((None, *Landed)),
+                        ready=rng.choice((None, True, False)),
+                    ),
+                    mode_seen=rng.random() < 0.5,
+                    state_at=rng.choice((None, now, now - 1.0)),
+                    answer=None if request is None else rng.choice((None, Answer(request, rng.choice(list(Reply))))),
+                    from_ground=rng.random() < 0.5,
+                    manner=rng.choice(list(Manner)),
+                    finish=rng.choice(list(Finish)),
+                    faulty=rng.random() < 0.5,
+                    stop=rng.random() < 0.02,
+                    missing=rng.choice((None, "no state arrives")),
+                    settled=rng.random() < 0.5,
+                    joined=rng.random() < 0.5,
+                    at_end=rng.random() < 0.1,
+                    goes_back=rng.random() < 0.5,
+                    finished=rng.choice((None, None, None, "flew 1 laps")),
+                    law_error=rng.choice((None, None, None, None, "singular")),
+                    verdict=Verdict(rng.choice(list(Action)), "because"),
+                )
+            )
+            if decision is not None:
+                assert decision[2]  # every event has its reason
+                phase, entered = decision[0], now
+            if phase is Phase.DONE:
+                break
+        assert phase is Phase.DONE
+
+
+def test_the_diagram_in_the_docs_is_the_table() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "flight.md").read_text(encoding="utf-8")
+    assert diagram() in page
+    assert table() in page

@@ -1,0 +1,62 @@
+"""`check` and flight: what the one says is what the other does; and what is shipped flies as well as it should.
+
+The whole table, fifty missions, is `bench/agreement.py`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from companion.config.mission import load_mission
+from companion.config.places import names
+from companion.config.vehicle import load_vehicle
+from companion.feasibility.report import Report, check
+from companion.feasibility.words import headline
+from companion.law.gains import Level
+from companion.vehicle import OutputLevel
+from trials.agreement import asked, flown, random_mission, scaled
+
+X500 = load_vehicle("x500")
+
+
+def settled_after(report: Report) -> float:
+    """s of following until the start is forgotten: the speed has risen, the errors are gone."""
+    return max(8.0, 1.5 + 1.25 * float(np.abs(report.at.alpha[0]).max()))
+
+
+@pytest.mark.parametrize("seed", [2, 4, 5, 12, 26, 28, 31, 34, 39, 44])
+def test_check_agrees_with_flight(seed: int) -> None:
+    """Thrust, tilt and motors within 3 % of what was predicted; the errors those of the ideal plant."""
+    share = 0.55 + 0.4 * ((seed * 0.381966) % 1.0)
+    _, report = scaled(random_mission(seed), share, X500, OutputLevel.MOTORS)
+    did = flown(report, OutputLevel.MOTORS, settled_after(report))
+    assert report.feasible
+    for name, said, happened in zip(did.extremes._fields, asked(report), did.extremes, strict=True):
+        assert happened == pytest.approx(said, rel=0.03), name
+    assert did.path_error < 0.01
+    assert did.speed_error < 0.02
+    assert did.yaw_error < math.radians(1.0)
+
+
+@pytest.mark.parametrize("seed", range(20, 30))
+def test_a_mission_that_is_too_fast_is_refused_with_the_place(seed: int) -> None:
+    _, report = scaled(random_mission(seed), 1.02 + 0.05 * (seed % 10), X500, OutputLevel.MOTORS)
+    assert not report.feasible
+    assert f"{report.tightest.at_s:.1f} m along the path" in headline(report)
+
+
+CLOSED = [n for n in names("missions") if not n.startswith("paper") and load_mission(n, Level.MOTORS).closed]
+"""The end of an open path is a matter of the flight's phases: tests/flights/test_shipped.py flies one."""
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_a_shipped_mission_settles(name: str) -> None:
+    """Path error below 1 cm, speed error below 2 % of alpha, yaw error below 1 degree, at motors on the ideal plant."""
+    report = check(load_mission(name, Level.MOTORS), X500)
+    did = flown(report, OutputLevel.MOTORS, settled_after(report), laps=min(1.0, 8.0 / report.duration))
+    assert did.path_error < 0.01
+    assert did.speed_error < 0.02
+    assert did.yaw_error < math.radians(1.0)

@@ -1,0 +1,111 @@
+"""What is looked at before a flight, and the real thing over UDP with MAVSDK."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from companion.config.plan_files import plan_from
+from companion.fence import Circle, Fence, Polygon
+from companion.geodesy import LocalFrame
+from companion.services.audit import RULES, Weight, audited
+from companion.services.plan_check import differences
+from companion.services.vehicle import fence_items
+from sim_bridge.autopilot.parameters import defaults
+
+
+def weights(**changes: float) -> dict[str, Weight]:
+    return {finding.parameter: finding.weight for finding in audited({**defaults(), **changes})}
+
+
+def test_px4s_defaults_are_no_danger_and_the_slow_failsafe_is_told() -> None:
+    found = weights()
+    assert Weight.DANGER not in found.values()
+    assert found["COM_OF_LOSS_T"] is Weight.ADVICE
+    assert set(found) == {rule.parameter for rule in RULES}
+    assert all(rule.parameter in defaults() for rule in RULES)
+
+
+def test_what_cuts_the_motors_is_a_danger() -> None:
+    assert weights(COM_OBL_RC_ACT=7)["COM_OBL_RC_ACT"] is Weight.DANGER
+    assert weights(NAV_RCL_ACT=6)["NAV_RCL_ACT"] is Weight.DANGER
+    assert weights(COM_OF_LOSS_T=0.3)["COM_OF_LOSS_T"] is Weight.FINE
+    assert weights(GF_MAX_HOR_DIST=5.0)["GF_MAX_HOR_DIST"] is Weight.ADVICE
+
+
+def test_a_firmware_that_lacks_one_says_so() -> None:
+    finding = next(f for f in audited({}) if f.parameter == "COM_OF_LOSS_T")
+    assert finding.now is None
+    assert "does not have it" in finding.why
+
+
+def test_a_fence_as_px4_holds_it() -> None:
+    fence = Fence((Polygon(((0.0, 0.0), (10.0, 0.0), (0.0, 10.0))), Circle((5.0, 5.0), 3.0, inside=False)))
+    items = fence_items(fence, LocalFrame(47.397742, 8.545594, 489.4))
+    assert [(item.command, item.param1, item.seq) for item in items] == [
+        (5001, 3.0, 0), (5001, 3.0, 1), (5001, 3.0, 2), (5004, 3.0, 3),
+    ]  # fmt: skip
+    assert items[0].x == 473977420
+
+
+def companion(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "companion", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+@pytest.fixture
+def port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        number: int = free.getsockname()[1]
+    return number
+
+
+def test_a_vehicle_is_looked_at_and_the_curve_uploaded(port: int) -> None:
+    plant = subprocess.Popen(
+        [sys.executable, "-m", "sim_bridge", "--vehicle", "x500", "--ground-station", "none",
+         "--connect", f"udpout://127.0.0.1:{port}"],
+        stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        done = companion("preflight", "survey", "--connect", f"udpin://127.0.0.1:{port}", "--upload", "--json")
+    finally:
+        plant.terminate()
+        plant.wait(20.0)
+    told = json.loads(done.stdout)
+    assert told["schema"] == "companion.preflight/1"
+    assert {row["parameter"]: row["now"] for row in told["parameters"]}["COM_OF_LOSS_T"] == 1.0
+    assert told["state_rate_hz"] > 20.0
+    assert told["path"][-1] == "uploaded: the curve as 60 waypoints, and a fence of 1 area"
+    assert any(line.startswith("plan: MAVSDK reads the same ") for line in told["path"])
+    assert (done.returncode, told["ok"]) == (0, True)
+
+
+def test_no_vehicle_and_bad_addresses(port: int, tmp_path: Path) -> None:
+    done = companion("preflight", "--connect", "udpin:/127.0.0.1")
+    assert done.returncode == 2
+    assert "expected udpin://HOST:PORT" in done.stderr
+    done = companion("fly", "circle_r5", "--connect", f"serial://{tmp_path}/missing:57600")
+    assert done.returncode == 2
+    done = companion("fly", "circle_r5", "--connect", "serial:///dev/ttyMISSING:57600")
+    assert done.returncode == 2
+    assert "cannot be opened: No such file or directory; is it plugged in?" in done.stderr
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as busy:
+        busy.bind(("127.0.0.1", port))
+        done = companion("fly", "circle_r5", "--connect", f"udpin://127.0.0.1:{port}")
+    assert done.returncode == 2
+    assert "in use" in done.stderr
+    assert not done.stdout
+
+
+def test_a_plan_that_mavsdk_reads_otherwise_is_told() -> None:
+    text = Path(__file__).parents[2].joinpath("configs/missions/survey.plan").read_text()
+    plan = plan_from(text, "survey.plan")[0]
+    theirs = SimpleNamespace(mission_items=[], geofence_items=[])
+    assert differences(plan, text, theirs)[0] == f"plan: we read {len(plan.items)} items, MAVSDK 0"

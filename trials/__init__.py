@@ -1,0 +1,1 @@
+"""Flights and spoilt files made up for measuring: what tests and benchmarks both need."""
