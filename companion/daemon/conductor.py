@@ -137,11 +137,18 @@ class Conductor:
     def receive(self, batch: Sequence[bytes], now: float) -> None:
         """Take in what arrived at ``now``. Several datagrams are taken in before the newest state is acted on."""
         self._conclude()
+        status = self.telemetry.status
+        state, answer, count = self.take_in(batch, now)
+        if state is not None or answer is not None or self.telemetry.status is not status:
+            self._tick(state, answer, now, max(count - 1, 0))
+
+    def take_in(self, batch: Sequence[bytes], now: float) -> tuple[VehicleState | None, Answer | None, int]:
+        """Read what arrived at ``now`` and act on nothing: the newest state, the last answer to a request, and how many
+        states came. ``receive`` flies on it; whoever ends a flight whose pilot has failed only looks."""
         self._now = now
         state: VehicleState | None = None
         answer: Answer | None = None
         count = 0
-        status = self.telemetry.status
         decode = self.decoder.stream if self._stream else self.decoder.datagram
         for data in batch:
             for frame in decode(data):
@@ -163,8 +170,7 @@ class Conductor:
         self.link.texts.clear()
         self._preparation.restored()
         self._counted(count, now)
-        if state is not None or answer is not None or self.telemetry.status is not status:
-            self._tick(state, answer, now, max(count - 1, 0))
+        return state, answer, count
 
     def _counted(self, count: int, now: float) -> None:
         """Measure how many states arrive in a second."""
