@@ -7,40 +7,11 @@ import collections
 import sys
 import tempfile
 import time
-import traceback
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from companion.cli.check import looked_at
-from companion.cli.orders import read_sortie
-from companion.cli.output import Output
-from companion.config.faults import ConfigError
-from trials.mutated import cases
-
-SOON = 3.0
-"""s of a core."""
-
-
-def outcome(mission: str | None, plan: str | None, folder: Path) -> tuple[str, str]:
-    """What becomes of one: a word for the table, and what is said."""
-    file = folder / ("field.plan" if mission is None else "field.yaml")
-    if plan is not None:
-        (folder / "field.plan").write_text(plan, encoding="utf-8", newline="")
-    if mission is not None:
-        file.write_text(mission, encoding="utf-8", newline="")
-    try:
-        found = looked_at(read_sortie(str(file), None, Output.AUTO))[1]
-    except ConfigError as error:
-        lines = {"field.yaml": (mission or "").count("\n") + 2, "field.plan": (plan or "").count("\n") + 2}
-        for fault in error.faults:
-            name = Path(fault.file).name
-            if name not in lines or not 1 <= fault.line <= lines[name] or not fault.message:
-                return "WRONG LINE", str(fault)
-        return "faults", str(error)
-    except Exception:
-        return "TRACEBACK", traceback.format_exc()
-    return ("feasible" if found.feasible else "not feasible"), ""
+from trials.mutated import SOON, cases, outcome
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from tests.mavlink.test_codec import fuzz
+from trials.damaged_datagrams import fuzz
 
 COUNT = 1_000_000
 

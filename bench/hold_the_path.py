@@ -15,10 +15,10 @@ import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from bench.rivals.ablation import REMEDIES
-from bench.rivals.course import Course, circle, figure_eight
-from bench.rivals.figures import Figures
-from bench.rivals.sorties import ATTITUDE, ITS_OWN, PX4, RATES, TRACKER, Sortie, flown
+from trials.rivals.ablation import REMEDIES
+from trials.rivals.course import Course, circle, figure_eight
+from trials.rivals.figures import Figures
+from trials.rivals.sorties import ATTITUDE, ITS_OWN, PX4, RATES, TRACKER, Sortie, flown
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 Cell = Callable[[Sequence[Figures], Course], str]
@@ -201,7 +201,7 @@ def main() -> None:
     text = "\n".join(table.text(results) for table in tables)
     print(text)
     if not told.tables:
-        from bench.rivals.drawing import draw
+        from trials.rivals.drawing import draw
 
         draw(results, DOCS / "rivals.svg")
         (DOCS / "rivals.md").write_text(_page(text), encoding="utf-8")
@@ -209,7 +209,7 @@ def main() -> None:
 
 def _page(tables: str) -> str:
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    head = (Path(__file__).parent / "rivals" / "head.md").read_text(encoding="utf-8")
+    head = Path(__file__).with_name("rivals_head.md").read_text(encoding="utf-8")
     today = datetime.date.today().isoformat()
     return f"{head}\nFlown on {today} at commit {commit} by `python -m bench.hold_the_path`.\n\n{tables}"
 

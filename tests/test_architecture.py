@@ -122,3 +122,10 @@ def test_nothing_sleeps_in_the_flight() -> None:
 def test_a_benchmark_finds_what_it_imports(path: Path) -> None:
     """Nobody runs them all at every change."""
     importlib.import_module(".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"))
+
+
+@pytest.mark.parametrize(("here", "away"), [("bench", {"tests"}), ("tests", {"bench"}), ("trials", {"bench", "tests"})])
+def test_benchmarks_and_tests_meet_only_in_trials(here: str, away: set[str]) -> None:
+    for path in sorted((ROOT / here).rglob("*.py")):
+        used = {module.split(".")[0] for module in imports(path)} & away
+        assert not used, f"{path} may not import from {sorted(used)}: what both need stands in trials/"

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import random
 import re
+import traceback
 from collections.abc import Callable
+from pathlib import Path
 
+from companion.cli.check import looked_at
+from companion.cli.orders import read_sortie
+from companion.cli.output import Output
 from companion.config.examples import PATHS, example, example_plan
+from companion.config.faults import ConfigError
 from companion.config.places import SHIPPED, names
 
 Mutation = Callable[[random.Random, str], str]
@@ -189,3 +195,28 @@ def cases(count: int, seed: int) -> list[tuple[str, str | None, str | None]]:
             text = MUTATIONS[what](rng, text)
         found.append((f"{name}: {what}", text, example_plan() if "plan" in name else None))
     return found
+
+
+SOON = 3.0
+"""s of a core."""
+
+
+def outcome(mission: str | None, plan: str | None, folder: Path) -> tuple[str, str]:
+    """What becomes of one: a word for the table, and what is said."""
+    file = folder / ("field.plan" if mission is None else "field.yaml")
+    if plan is not None:
+        (folder / "field.plan").write_text(plan, encoding="utf-8", newline="")
+    if mission is not None:
+        file.write_text(mission, encoding="utf-8", newline="")
+    try:
+        found = looked_at(read_sortie(str(file), None, Output.AUTO))[1]
+    except ConfigError as error:
+        lines = {"field.yaml": (mission or "").count("\n") + 2, "field.plan": (plan or "").count("\n") + 2}
+        for fault in error.faults:
+            name = Path(fault.file).name
+            if name not in lines or not 1 <= fault.line <= lines[name] or not fault.message:
+                return "WRONG LINE", str(fault)
+        return "faults", str(error)
+    except Exception:
+        return "TRACEBACK", traceback.format_exc()
+    return ("feasible" if found.feasible else "not feasible"), ""

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from bench.bad_input import SOON, outcome
 from companion.config.document import parse
 from companion.config.faults import ConfigError
 from companion.config.mission import mission_from
 from companion.config.vehicle import vehicle_from
 from companion.law.gains import Level
 from tests.config.test_files import VEHICLE
-from trials.mutated import cases
+from trials.mutated import SOON, cases, outcome
 
 CASES = cases(200, 0)[::10]
 

@@ -1,7 +1,7 @@
 """The law flies RotorPy's Hummingbird in RotorPy's own world, which it knows nothing of: a second plant."""
 
-from bench.rivals.course import circle, figure_eight
-from bench.rivals.sorties import ITS_OWN, RATES, Sortie, flown
+from trials.rivals.course import circle, figure_eight
+from trials.rivals.sorties import ITS_OWN, RATES, Sortie, flown
 
 
 def test_a_circle_at_a_fifth_of_the_error_of_rotorpys_own_controller() -> None:

@@ -7,7 +7,6 @@ import math
 
 import pytest
 
-from bench.measured import Measured, course, machine, measured, world
 from companion.config.document import parse
 from companion.config.mission import mission_from
 from companion.daemon.conductor import Conductor
@@ -18,6 +17,7 @@ from companion.mission import Mission
 from companion.vehicle import Limits, OutputLevel, Vehicle
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
+from trials.measured import Measured, course, machine, measured, world
 
 SPEED, RADIUS = 8.5, 5.0
 STEEP = math.radians(80.0)

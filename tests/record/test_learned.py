@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from bench.measured import course, machine, measured, world
 from companion.estimation.learned import AGEING, Learned, prior_of, sane
 from companion.estimation.observer import DRAG_DOUBT, KAPPA_DOUBT
 from companion.record.learned import recalled, remembered, state_file
 from companion.vehicle import OutputLevel
+from trials.measured import course, machine, measured, world
 
 FOUND = Learned(0.5, 0.8, 0.065)
 

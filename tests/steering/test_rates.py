@@ -9,9 +9,6 @@ from typing import Any
 
 import pytest
 
-from bench.measured import course, machine, measured, world
-from bench.rivals.sorties import PLACES
-from bench.robustness import flown as robust
 from companion.daemon import preparing
 from companion.daemon.conductor import Conductor
 from companion.flight.conduct import Conduct, Finish
@@ -27,6 +24,9 @@ from sim_bridge.bridge import Bridge
 from sim_bridge.control.attitude import GAINS, rates_for
 from sim_bridge.plant import Truth
 from tests.support.flights import Flown, flight
+from trials.measured import course, machine, measured, world
+from trials.rivals.sorties import PLACES
+from trials.robustness import flown as robust
 
 
 def test_an_attitude_is_what_px4_turns_back_into_the_rates() -> None:
@@ -149,7 +149,7 @@ def test_at_the_end_of_the_thrust_the_path_comes_first_then_the_speed_then_the_h
 
 @pytest.mark.parametrize("seed", range(0, 200, 10))
 def test_outdoors_with_a_machine_that_is_not_as_its_file_says(seed: int) -> None:
-    """Every tenth of the 200 flights of bench/robustness.py, 11 s of each: all three courses, seven times or six."""
+    """Every tenth of the 200 flights of trials/robustness.py, 11 s of each: all three courses, seven times or six."""
     done = robust(seed, duration=11.0, settle=8.0)
     assert done.reason is None
     assert done.true is not None

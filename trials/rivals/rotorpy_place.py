@@ -16,13 +16,13 @@ from rotorpy.controllers.quadrotor_control import SE3Control
 from rotorpy.vehicles.hummingbird_params import quad_params
 from rotorpy.vehicles.multirotor import Multirotor
 
-from bench.rivals.course import Course, Moment
-from bench.rivals.figures import Sample
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix, tilt
 from companion.pilot.aims import smooth_start
 from companion.plan import Plan
 from companion.steering.steering import Along
 from companion.vehicle import Limits, RateSetpoint, Rotor, Spin, Vehicle, VehicleState
+from trials.rivals.course import Course, Moment
+from trials.rivals.figures import Sample
 
 RATE_GAIN = 40.0
 """1/s, the gain of the rate loop that stands for an autopilot's (RotorPy's default of 1 is no rate loop)."""

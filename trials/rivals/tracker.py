@@ -12,13 +12,13 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from bench.rivals.course import Course, Moment
 from companion.frames import Matrix3, Vec3, wrap
 from companion.law.flight import Command, Flying, Ramp
 from companion.plan import Plan
 from companion.steering.rates import SLOPE_OVER, RateMemory, RateSteering
 from companion.steering.steering import Aim, Along, Steered
 from companion.vehicle import Setpoint, VehicleState
+from trials.rivals.course import Course, Moment
 
 POSITION, VELOCITY, ATTITUDE = 9.0, 6.0, 8.0
 """Gains on the errors of position (1/s^2), velocity (1/s) and attitude (1/s): the best of a sweep on these courses."""

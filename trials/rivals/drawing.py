@@ -9,9 +9,9 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from bench.rivals.course import circle, figure_eight
-from bench.rivals.figures import Figures
-from bench.rivals.sorties import ATTITUDE, ITS_OWN, PX4, RATES, TRACKER, Sortie
+from trials.rivals.course import circle, figure_eight
+from trials.rivals.figures import Figures
+from trials.rivals.sorties import ATTITUDE, ITS_OWN, PX4, RATES, TRACKER, Sortie
 
 COLOURS = {PX4: "#b0b7c3", ITS_OWN: "#b0b7c3", TRACKER: "#e08a2c", ATTITUDE: "#7fb7d6", RATES: "#1f6fa8"}
 LEAST = 0.02

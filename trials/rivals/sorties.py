@@ -7,17 +7,17 @@ import math
 from functools import partial
 from typing import NamedTuple
 
-from bench.rivals import plant_place, px4_position, rotorpy_place
-from bench.rivals.ablation import without
-from bench.rivals.course import Course
-from bench.rivals.figures import Figures, figures
-from bench.rivals.tracker import tracking
 from companion.config.vehicle import load_vehicle
 from companion.config.world import load_world
 from companion.plan import prepared
 from companion.vehicle import OutputLevel, Vehicle
 from companion.world import Link, Way, World
 from companion.world.events import Event, Hold, Push, When
+from trials.rivals import plant_place, px4_position, rotorpy_place
+from trials.rivals.ablation import without
+from trials.rivals.course import Course
+from trials.rivals.figures import Figures, figures
+from trials.rivals.tracker import tracking
 
 PX4, TRACKER, ATTITUDE, RATES, ITS_OWN = (
     "PX4 position control", "SE(3) tracker", "the law, attitude", "the law, rates", "RotorPy's SE3Control"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-from bench.rivals.course import Course
-from bench.rivals.figures import Sample
 from companion.frames import euler_from_rotation, rotation_matrix, tilt
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Value, message
@@ -13,6 +11,8 @@ from companion.mavlink.modes import Mode
 from companion.vehicle import Vehicle
 from companion.world import Start, World
 from sim_bridge.bridge import Bridge
+from trials.rivals.course import Course
+from trials.rivals.figures import Sample
 
 PERIOD = 1.0 / 90.0
 STREAM_FIRST = 0.5

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bench.rivals.course import Course
 from companion.frames import Vec3, wrap
+from trials.rivals.course import Course
 
 
 class Sample(NamedTuple):

@@ -5,9 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
-from bench.rivals.course import Course
-from bench.rivals.figures import Sample
-from bench.rivals.px4_position import sample
 from companion.cli.lockstep import fly as fly_in_lockstep
 from companion.cli.simulate import start_of
 from companion.daemon.conductor import Conductor, Orders
@@ -19,6 +16,9 @@ from companion.vehicle import OutputLevel, Vehicle
 from companion.world import World
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
+from trials.rivals.course import Course
+from trials.rivals.figures import Sample
+from trials.rivals.px4_position import sample
 
 OVERHEAD = 60.0
 """s a flight may take beyond following."""
