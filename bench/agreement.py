@@ -15,8 +15,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from companion.config.mission import load_mission
-from companion.config.places import names
+from companion.config.mission.mission import load_mission
+from companion.config.syntax.file_lookup import names
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.report import check
 from companion.feasibility.words import headline

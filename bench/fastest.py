@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, diags_array, vstack
 
-from companion.config.document import parse
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.demand import Demand
 from companion.feasibility.fastest import KNOT_TIME, Fastest, speeds

@@ -19,7 +19,7 @@ from companion.cli.finish import Ending
 from companion.cli.orders import Sortie, read_sortie
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, at_home, in_lockstep
-from companion.config.places import SHIPPED
+from companion.config.syntax.file_lookup import SHIPPED
 from companion.record.table import load_table
 from companion.world import World
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import timeit
 
-from companion.config.mission import load_mission
+from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.frames import rotation_from_euler
 from companion.law.feedback import Bounds

@@ -25,10 +25,10 @@ from companion.cli.finish import Ending
 from companion.cli.orders import read_sortie
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, over_udp
-from companion.config.world import load_world
+from companion.config.world.world import load_world
 from companion.daemon.address import UdpPort
+from companion.daemon.priority import STATE_ID
 from companion.daemon.realtime import PRIORITY, at_priority
-from companion.daemon.urgency import STATE_ID
 from companion.mavlink.dialect import message
 
 LONG = 0.020

@@ -15,7 +15,7 @@ from rotorpy.vehicles.hummingbird_params import quad_params
 from rotorpy.vehicles.multirotor import Multirotor
 
 from companion.config.vehicle import load_vehicle
-from companion.config.world import load_world
+from companion.config.world.world import load_world
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.world import World

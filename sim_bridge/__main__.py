@@ -14,10 +14,10 @@ from typing import Annotated, NamedTuple
 
 import typer
 
-from companion.config.document import parse
-from companion.config.faults import ConfigError, Fault
+from companion.config.syntax.document import parse
+from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.vehicle import load_vehicle
-from companion.config.world import home_from, load_world, start_from
+from companion.config.world.world import home_from, load_world, start_from
 from companion.vehicle import CompanionError, Vehicle
 from companion.world import Start, World
 from sim_bridge.bridge import Bridge

@@ -11,8 +11,8 @@ import numpy as np
 
 from companion.cli.lockstep import fly
 from companion.cli.simulate import start_of
-from companion.config.document import parse
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
 from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.report import Report, check
 from companion.flight.phases import Phase

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from companion.cli.lockstep import fly
 from companion.cli.simulate import start_of
-from companion.config.mission import load_mission
+from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
-from companion.config.world import load_world
+from companion.config.world.world import load_world
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.phases import Phase
 from companion.frames import rotation_matrix, tilt, wrap

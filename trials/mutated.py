@@ -12,8 +12,8 @@ from companion.cli.check import looked_at
 from companion.cli.orders import read_sortie
 from companion.cli.output import Output
 from companion.config.examples import PATHS, example, example_plan
-from companion.config.faults import ConfigError
-from companion.config.places import SHIPPED, names
+from companion.config.syntax.faults import ConfigError
+from companion.config.syntax.file_lookup import SHIPPED, names
 
 Mutation = Callable[[random.Random, str], str]
 

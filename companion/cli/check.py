@@ -9,7 +9,7 @@ from pathlib import Path
 from companion.cli.finish import say
 from companion.cli.orders import Sortie, read_sortie
 from companion.cli.output import Output
-from companion.config.faults import ConfigError, Fault
+from companion.config.syntax.faults import ConfigError, Fault
 from companion.feasibility import report as feasibility
 from companion.feasibility.document import as_document
 from companion.feasibility.report import Report

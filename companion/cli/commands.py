@@ -81,7 +81,7 @@ def sim(
     from companion.cli.finish import Ending, say
     from companion.cli.orders import Faults, read_sortie
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
-    from companion.config.world import load_world
+    from companion.config.world.world import load_world
     from companion.feasibility.words import headline
     from companion.record.folder import new_directory
 
@@ -220,7 +220,7 @@ def demo(
     from companion.cli.finish import Ending
     from companion.cli.orders import read_sortie
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
-    from companion.config.world import load_world
+    from companion.config.world.world import load_world
     from companion.record.folder import new_directory
 
     sortie = read_sortie("circle_r10", "x500", output, direct=True)

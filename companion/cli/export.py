@@ -11,8 +11,8 @@ from companion.cli.finish import say
 from companion.cli.orders import Faults, read_sortie
 from companion.cli.output import Output
 from companion.cli.simulate import at_home
-from companion.config.faults import ConfigError, Fault
-from companion.config.world import home_from
+from companion.config.syntax.faults import ConfigError, Fault
+from companion.config.world.world import home_from
 from companion.geodesy import LocalFrame
 from companion.mission import GlobalOrigin
 from companion.places.drawn import drawn

@@ -9,8 +9,8 @@ from companion.cli.export import writable, write
 from companion.cli.finish import say
 from companion.cli.orders import Faults
 from companion.config.examples import KINDS, example, example_plan
-from companion.config.faults import ConfigError, Fault
-from companion.config.published import MODELS, schema_text
+from companion.config.json_schemas import MODELS, schema_text
+from companion.config.syntax.faults import ConfigError, Fault
 
 
 def new(kind: str, file: Path | None, force: bool) -> None:

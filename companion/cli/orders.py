@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from companion.cli.output import Output
-from companion.config.document import parse
-from companion.config.faults import ConfigError, Fault
-from companion.config.mission import bare_mission_from, mission_from
-from companion.config.places import find, read
-from companion.config.plan_source import attached, is_plan, mission_text, parsed
+from companion.config.mission.mission import bare_mission_from, mission_from
+from companion.config.plan.source import attached, is_plan, mission_text, parsed
+from companion.config.syntax.document import parse
+from companion.config.syntax.faults import ConfigError, Fault
+from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import load_vehicle, vehicle_from
 from companion.daemon.port import AddressError
 from companion.law.gains import Level

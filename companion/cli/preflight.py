@@ -7,7 +7,7 @@ from typing import Any
 
 from companion.cli.finish import COMPLETED, FAILED, NO_VEHICLE, refuse, say
 from companion.cli.orders import Sortie
-from companion.config.plan_files import plan_from
+from companion.config.plan.qgroundcontrol import plan_from
 from companion.flight.preflight import RATE_WANTED
 from companion.mission import Origin
 from companion.places.standing import PlaceError, placed

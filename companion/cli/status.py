@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 
 from companion.cli.finish import COMPLETED, FAILED
-from companion.daemon.standing import SILENT_AFTER, Standing, standings
+from companion.daemon.status_file import SILENT_AFTER, Standing, standings
 
 LABEL = 9
 

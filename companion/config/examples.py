@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from companion.config.published import editor_line
+from companion.config.json_schemas import editor_line
 from companion.plans.items import DO_CHANGE_SPEED, TAKEOFF, WAYPOINT, Item, Plan
 from companion.plans.writing import plan_text
 

@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from companion.config.document import Document, parse
-from companion.config.faults import ConfigError
-from companion.config.places import find, read
-from companion.config.schema import Strict, validate
+from companion.config.syntax.document import Document, parse
+from companion.config.syntax.faults import ConfigError
+from companion.config.syntax.file_lookup import find, read
+from companion.config.syntax.schema import Strict, validate
 from companion.vehicle import GRAVITY, Limits, MotorInterface, Rotor, Spin, Vehicle
 
 Rate = Annotated[float, Field(gt=0.0, le=2000.0)]

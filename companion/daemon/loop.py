@@ -16,14 +16,14 @@ from collections.abc import Callable
 
 from companion.daemon.conductor import Conductor
 from companion.daemon.port import Port
+from companion.daemon.priority import parted
 from companion.daemon.progress import Watch, about, standing
 from companion.daemon.realtime import HELPER_PRIORITY, at_priority, punctual
-from companion.daemon.rehearsal import Rehearsal
 from companion.daemon.rhythm import Rhythm
 from companion.daemon.signals import ending_signals
-from companion.daemon.standing import Notice
+from companion.daemon.status_file import Notice
 from companion.daemon.systemd import Service
-from companion.daemon.urgency import parted
+from companion.daemon.warm_up import Rehearsal
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from companion import pilot
-from companion.config.document import Document, parse
-from companion.config.faults import ConfigError, Fault
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import Document, parse
+from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.vehicle import vehicle_from
 from companion.estimation.learned import Learned
 from companion.feasibility.auto import flyable

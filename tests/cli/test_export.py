@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 
 from companion.cli.commands import app
 from companion.cli.simulate import at_home
-from companion.config.faults import ConfigError
-from companion.config.mission import load_mission
-from companion.config.plan_files import plan_from
+from companion.config.mission.mission import load_mission
+from companion.config.plan.qgroundcontrol import plan_from
+from companion.config.syntax.faults import ConfigError
 from companion.geodesy import LocalFrame
 from companion.mission import Mission
 from companion.places.drawn import drawn, waypoint_arcs

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from companion.config.document import parse
-from companion.config.faults import ConfigError
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
+from companion.config.syntax.faults import ConfigError
 from companion.config.vehicle import vehicle_from
 from companion.law.gains import Level
 from tests.config.test_files import VEHICLE

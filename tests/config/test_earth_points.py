@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from companion.config.document import parse
-from companion.config.faults import ConfigError
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
+from companion.config.syntax.faults import ConfigError
 from companion.fence import Circle, Polygon
 from companion.geodesy import LocalFrame
 from companion.law.gains import Level

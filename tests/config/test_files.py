@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from companion.config.document import parse, scalar
-from companion.config.faults import ConfigError
-from companion.config.mission import load_mission, mission_from
-from companion.config.places import names
+from companion.config.mission.mission import load_mission, mission_from
+from companion.config.syntax.document import parse, scalar
+from companion.config.syntax.faults import ConfigError
+from companion.config.syntax.file_lookup import names
 from companion.config.vehicle import load_vehicle, vehicle_from
 from companion.law.gains import Level
 from companion.mission import GlobalOrigin, Origin

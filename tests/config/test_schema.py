@@ -11,14 +11,14 @@ from typing import Any
 import pytest
 
 from companion.cli.new import new
-from companion.config.document import parse
 from companion.config.examples import KINDS, OPEN, PATHS, example
-from companion.config.faults import ConfigError
-from companion.config.mission import load_mission
-from companion.config.places import SHIPPED, names
-from companion.config.published import MODELS, editor_line, schema_text
+from companion.config.json_schemas import MODELS, editor_line, schema_text
+from companion.config.mission.mission import load_mission
+from companion.config.syntax.document import parse
+from companion.config.syntax.faults import ConfigError
+from companion.config.syntax.file_lookup import SHIPPED, names
 from companion.config.vehicle import load_vehicle
-from companion.config.world import load_world
+from companion.config.world.world import load_world
 from companion.feasibility.report import check
 from companion.law.gains import Level
 from tests.support.json_schema import wrong
@@ -129,7 +129,7 @@ def test_examples_of_what_may_stand_instead_are_right() -> None:
         kept = [text for text in example("spline").splitlines() if not text.startswith(f"{key}:")]
         kept = [text for text in kept if key != "repeat" or not text.startswith("laps")]
         document = parse("\n".join([*kept, line]), "m.yaml")
-        from companion.config.mission import mission_from
+        from companion.config.mission.mission import mission_from
 
         mission_from(document, Level.RATES)
 

@@ -9,11 +9,11 @@ import pytest
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
-from companion.config import event_keys, world_keys
-from companion.config.document import parse
-from companion.config.places import names
-from companion.config.schema import Strict
-from companion.config.world import load_world, world_from
+from companion.config.syntax.document import parse
+from companion.config.syntax.file_lookup import names
+from companion.config.syntax.schema import Strict
+from companion.config.world import event_keys, keys
+from companion.config.world.world import load_world, world_from
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "worlds.md").read_text(encoding="utf-8")
 OF_THEIR_OWN = ("LinkModel", "NoiseModel")
@@ -44,7 +44,7 @@ def table(model: type[BaseModel]) -> str:
 
 
 def models() -> list[type[BaseModel]]:
-    found = [each for module in (event_keys, world_keys) for each in vars(module).values() if isinstance(each, type)]
+    found = [each for module in (event_keys, keys) for each in vars(module).values() if isinstance(each, type)]
     return [m for m in found if issubclass(m, Strict) and m is not Strict and not m.__name__.startswith("_")]
 
 

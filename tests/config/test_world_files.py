@@ -7,12 +7,12 @@ import math
 import pytest
 from pydantic import BaseModel
 
-from companion.config import event_keys, world_keys
-from companion.config.document import parse
-from companion.config.faults import ConfigError
-from companion.config.places import names
-from companion.config.schema import Strict
-from companion.config.world import load_world, world_from
+from companion.config.syntax.document import parse
+from companion.config.syntax.faults import ConfigError
+from companion.config.syntax.file_lookup import names
+from companion.config.syntax.schema import Strict
+from companion.config.world import event_keys, keys
+from companion.config.world.world import load_world, world_from
 from companion.world import Battery, Deviations, Errors, Home, Link, Way, World, events
 from companion.world.air import DrydenGusts, Gusts
 from companion.world.estimate import Drift, Noise
@@ -158,7 +158,7 @@ def test_unknown_worlds_are_named_with_the_known() -> None:
 
 
 def models() -> list[type[BaseModel]]:
-    found = [each for module in (event_keys, world_keys) for each in vars(module).values() if isinstance(each, type)]
+    found = [each for module in (event_keys, keys) for each in vars(module).values() if isinstance(each, type)]
     return [model for model in found if issubclass(model, Strict) and model is not Strict]
 
 

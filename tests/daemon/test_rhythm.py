@@ -11,9 +11,9 @@ import pytest
 
 from companion import pilot
 from companion.daemon import realtime
-from companion.daemon.rehearsal import Rehearsal
+from companion.daemon.priority import parted
 from companion.daemon.rhythm import MARGIN, WATCH_MAX, Rhythm
-from companion.daemon.urgency import parted
+from companion.daemon.warm_up import Rehearsal
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.mavlink.telemetry import WANTED

@@ -14,7 +14,7 @@ import pytest
 
 from companion.cli.commands import main
 from companion.cli.status import in_words
-from companion.daemon.standing import Notice, Standing, standings
+from companion.daemon.status_file import Notice, Standing, standings
 
 ABOUT = {"mission": "circle", "vehicle": "x500", "output": "rates", "link": "UDP 127.0.0.1:14540", "record": "/f"}
 
@@ -24,7 +24,7 @@ def own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """A computer of its own."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     monkeypatch.delenv("RUNTIME_DIRECTORY", raising=False)
-    monkeypatch.setattr("companion.daemon.standing.SHARED", ())
+    monkeypatch.setattr("companion.daemon.status_file.SHARED", ())
     return tmp_path
 
 

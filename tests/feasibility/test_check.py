@@ -12,9 +12,9 @@ import pytest
 
 from companion.cli.commands import main
 from companion.cli.flying import objection
-from companion.config.document import parse
-from companion.config.mission import load_mission, mission_from
-from companion.config.places import names
+from companion.config.mission.mission import load_mission, mission_from
+from companion.config.syntax.document import parse
+from companion.config.syntax.file_lookup import names
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.demand import without_yaw
 from companion.feasibility.limits import use_without_yaw

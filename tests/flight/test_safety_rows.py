@@ -7,7 +7,7 @@ import math
 import pytest
 
 from companion.calculus.vectors import Vector
-from companion.config.mission import load_mission
+from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.flight import safety
 from companion.flight.conduct import Limits

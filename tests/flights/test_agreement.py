@@ -10,8 +10,8 @@ import math
 import numpy as np
 import pytest
 
-from companion.config.mission import load_mission
-from companion.config.places import names
+from companion.config.mission.mission import load_mission
+from companion.config.syntax.file_lookup import names
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.report import Report, check
 from companion.feasibility.words import headline

@@ -7,8 +7,8 @@ import math
 
 import pytest
 
-from companion.config.document import parse
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
 from companion.daemon.conductor import Conductor
 from companion.feasibility.report import check
 from companion.frames import Heading

@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag, expm
 
 from companion.calculus.vectors import Vector
-from companion.config.mission import load_mission
+from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.frames import Heading, rotation_from_euler, tilt
 from companion.law.bare import bare_law

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from companion.calculus.expression import parse as expression
-from companion.config.document import parse
-from companion.config.faults import ConfigError
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
+from companion.config.syntax.faults import ConfigError
 from companion.frames import Vec3
 from companion.paths.curve import Curve, Shape
 from companion.paths.formula import written

@@ -7,8 +7,8 @@ import random
 
 import pytest
 
-from companion.config.document import parse
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
 from companion.geodesy import LocalFrame, MapProjection
 from companion.law.gains import Level
 from companion.mission import GlobalOrigin, Mission, Origin

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from companion.config.faults import ConfigError
-from companion.config.json_text import parse_json
-from companion.config.mission import load_mission
-from companion.config.plan_files import plan_from
+from companion.config.mission.mission import load_mission
+from companion.config.plan.qgroundcontrol import plan_from
+from companion.config.syntax.faults import ConfigError
+from companion.config.syntax.json_text import parse_json
 from companion.config.vehicle import load_vehicle
 from companion.fence import Circle, Polygon
 from companion.frames import rotation_from_euler

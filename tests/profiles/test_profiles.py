@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from companion.calculus.expression import parse as expression
-from companion.config.document import parse
-from companion.config.faults import ConfigError
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
+from companion.config.syntax.faults import ConfigError
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.demand import demand
 from companion.feasibility.limits import quantities

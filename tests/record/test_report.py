@@ -15,7 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 from companion.cli.commands import app
-from companion.config.faults import ConfigError
+from companion.config.syntax.faults import ConfigError
 from companion.flight.phases import Phase
 from companion.record import report
 from companion.record.report import gallery, motion, write_report

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from companion.config.plan_files import plan_from
+from companion.config.plan.qgroundcontrol import plan_from
 from companion.fence import Circle, Fence, Polygon
 from companion.geodesy import LocalFrame
 from companion.services.audit import RULES, Weight, audited

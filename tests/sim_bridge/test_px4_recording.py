@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from companion.config.world import load_world
+from companion.config.world.world import load_world
 from tests.support.plant_client import Client
 
 DATA = Path(__file__).parents[1] / "data"

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from companion.config.places import names
+from companion.config.syntax.file_lookup import names
 from companion.config.vehicle import load_vehicle
-from companion.config.world import load_world
+from companion.config.world.world import load_world
 from companion.frames import Vec3, conjugate, multiply, quaternion_from_euler
 from companion.mavlink.modes import Mode
 from companion.world import Errors, Event, Link, Start, Way, World

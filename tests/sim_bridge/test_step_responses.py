@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from companion.config.world import load_world
+from companion.config.world.world import load_world
 from companion.mavlink.modes import Mode
 from tests.support.plant_client import Client
 

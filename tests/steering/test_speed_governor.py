@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import pytest
 
-from companion.config.mission import load_mission
+from companion.config.mission.mission import load_mission
 from companion.law.flight import Ramp
 from companion.law.gains import Level
 from companion.steering.pace import BRAKING, SLOWEST, Course, Means, Pace, Place, course_of, paced, slowed

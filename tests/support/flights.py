@@ -9,7 +9,7 @@ from pathlib import Path
 
 from companion.cli.lockstep import fly
 from companion.cli.simulate import start_of
-from companion.config.mission import load_mission
+from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.auto import flyable

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from companion.config.document import parse
-from companion.config.mission import mission_from
+from companion.config.mission.mission import mission_from
+from companion.config.syntax.document import parse
 from companion.frames import Vec3
 from companion.law.gains import Level
 from companion.mission import Mission

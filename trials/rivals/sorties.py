@@ -8,7 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 from companion.config.vehicle import load_vehicle
-from companion.config.world import load_world
+from companion.config.world.world import load_world
 from companion.plan import prepared
 from companion.vehicle import OutputLevel, Vehicle
 from companion.world import Link, Way, World

@@ -7,8 +7,8 @@ import math
 import re
 from typing import Any
 
-from companion.config.document import DEPTH_MAX, Document
-from companion.config.faults import ConfigError, Fault, Key, dotted
+from companion.config.syntax.document import DEPTH_MAX, Document
+from companion.config.syntax.faults import ConfigError, Fault, Key, dotted
 
 _TOKEN = re.compile(r'[ \t\r\n]*(?:([\[\]{},:])|("(?:[^"\\\x00-\x1f]|\\.)*")|([^\s\[\]{},:"]+)|([^ \t\r\n]))')
 _NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?$")

@@ -10,9 +10,9 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from companion.config.document import Document
-from companion.config.faults import ConfigError, Fault, Key
-from companion.config.units import unit_hint
+from companion.config.syntax.document import Document
+from companion.config.syntax.faults import ConfigError, Fault, Key
+from companion.config.syntax.units import unit_hint
 from companion.geodesy import LocalFrame
 from companion.mission import GlobalOrigin
 from companion.paths.placement import Placement

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from companion.calculus.expression import parse as parse_expression
-from companion.config import profile_keys as keys
-from companion.config.curves import triple
-from companion.config.document import Document
-from companion.config.faults import Fault
-from companion.config.path_keys import ExpressionModel, ImplicitModel, PathModel
-from companion.config.plan_mission import Planned
-from companion.config.profile_keys import SpeedModel, YawModel
+from companion.config.mission import profile_keys as keys
+from companion.config.mission.curves import triple
+from companion.config.mission.path_keys import ExpressionModel, ImplicitModel, PathModel
+from companion.config.mission.profile_keys import SpeedModel, YawModel
+from companion.config.plan.to_mission import Planned
+from companion.config.syntax.document import Document
+from companion.config.syntax.faults import Fault
 from companion.mission import Path
 from companion.paths.implicit import VARIABLES
 from companion.paths.tracing import PathError

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 
 from companion.calculus.expression import parse as parse_expression
-from companion.config import path_keys as keys
-from companion.config.document import Document
-from companion.config.faults import Fault
+from companion.config.mission import path_keys as keys
+from companion.config.syntax.document import Document
+from companion.config.syntax.faults import Fault
 from companion.frames import Vec3
 from companion.mission import Path
 from companion.paths.curve import Curve, Shape

@@ -11,18 +11,13 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from companion.calculus.expression import CONSTANTS
 from companion.calculus.expression import parse as parse_expression
-from companion.config.along import faults_along
-from companion.config.curves import curve_from, implicit_from, triple
-from companion.config.document import Document, parse
-from companion.config.earth import localised
-from companion.config.faults import ConfigError, Fault, Key
-from companion.config.fence_keys import FenceModel, fence_from
-from companion.config.gains import GainsModel, gains_from
-from companion.config.path_keys import ImplicitModel, OriginModel, PathModel, PlanModel, Point
-from companion.config.places import find, read
-from companion.config.plan_mission import Planned
-from companion.config.plan_source import is_plan, mission_text, parsed, read_plan
-from companion.config.profile_keys import (
+from companion.config.mission.along import faults_along
+from companion.config.mission.curves import curve_from, implicit_from, triple
+from companion.config.mission.earth import localised
+from companion.config.mission.fence_keys import FenceModel, fence_from
+from companion.config.mission.gains import GainsModel, gains_from
+from companion.config.mission.path_keys import ImplicitModel, OriginModel, PathModel, PlanModel, Point
+from companion.config.mission.profile_keys import (
     SPEED_MIN,
     AutoSpeedModel,
     Degrees,
@@ -32,8 +27,13 @@ from companion.config.profile_keys import (
     YawModel,
     YawTableModel,
 )
-from companion.config.profiles import Profiles, known_names
-from companion.config.schema import Strict, validate
+from companion.config.mission.profiles import Profiles, known_names
+from companion.config.plan.source import is_plan, mission_text, parsed, read_plan
+from companion.config.plan.to_mission import Planned
+from companion.config.syntax.document import Document, parse
+from companion.config.syntax.faults import ConfigError, Fault, Key
+from companion.config.syntax.file_lookup import find, read
+from companion.config.syntax.schema import Strict, validate
 from companion.fence import Fence
 from companion.frames import Heading, Vec3
 from companion.law.gains import Level

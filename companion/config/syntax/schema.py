@@ -11,9 +11,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from companion.config.document import Document
-from companion.config.faults import ConfigError, Fault, Key
-from companion.config.units import unit_hint
+from companion.config.syntax.document import Document
+from companion.config.syntax.faults import ConfigError, Fault, Key
+from companion.config.syntax.units import unit_hint
 
 
 class Strict(BaseModel):

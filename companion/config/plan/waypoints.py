@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from companion.config.document import Document
-from companion.config.faults import ConfigError, Fault, Key
+from companion.config.syntax.document import Document
+from companion.config.syntax.faults import ConfigError, Fault, Key
 from companion.plans.items import AMSL_FRAMES, WAYPOINT, Item, Plan
 
 FAULTS_MAX = 50

@@ -6,9 +6,9 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from companion.config.document import Document
-from companion.config.faults import Fault
-from companion.config.schema import Strict
+from companion.config.syntax.document import Document
+from companion.config.syntax.faults import Fault
+from companion.config.syntax.schema import Strict
 from companion.law.gains import Gains, Level, default_gains, from_poles, poles_of
 
 Numbers = Annotated[list[float], Field(min_length=1, max_length=4)]

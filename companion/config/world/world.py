@@ -8,11 +8,11 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from companion.config.document import Document, parse, scalar
-from companion.config.faults import ConfigError, Fault
-from companion.config.places import find, read
-from companion.config.schema import Strict, validate
-from companion.config.world_keys import (
+from companion.config.syntax.document import Document, parse, scalar
+from companion.config.syntax.faults import ConfigError, Fault
+from companion.config.syntax.file_lookup import find, read
+from companion.config.syntax.schema import Strict, validate
+from companion.config.world.keys import (
     BatteryModel,
     EstimateModel,
     GustsModel,

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
-from companion.config.event_keys import EventModel
-from companion.config.schema import Strict
+from companion.config.syntax.schema import Strict
+from companion.config.world.event_keys import EventModel
 
 Speed = Annotated[float, Field(ge=-50.0, le=50.0)]
 Delay = Annotated[float, Field(ge=0.0, le=2.0)]

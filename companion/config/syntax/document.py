@@ -13,7 +13,7 @@ from typing import Any
 
 import yaml
 
-from companion.config.faults import ConfigError, Fault, Key, dotted
+from companion.config.syntax.faults import ConfigError, Fault, Key, dotted
 
 _INT = re.compile(r"[-+]?[0-9]+$|0o[0-7]+$|0x[0-9a-fA-F]+$")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?$")

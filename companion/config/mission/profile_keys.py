@@ -6,9 +6,9 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
-from companion.config.path_keys import Point
-from companion.config.schema import Strict
-from companion.config.units import not_radians
+from companion.config.mission.path_keys import Point
+from companion.config.syntax.schema import Strict
+from companion.config.syntax.units import not_radians
 
 SPEED_MIN = 0.05
 """m/s; a speed given over displacement that comes to zero never leaves it again."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from companion.config.document import Document, parse
-from companion.config.faults import ConfigError, Fault
-from companion.config.path_keys import PlanModel
-from companion.config.places import read
-from companion.config.plan_files import plan_from
-from companion.config.plan_mission import Planned, planned
+from companion.config.mission.path_keys import PlanModel
+from companion.config.plan.qgroundcontrol import plan_from
+from companion.config.plan.to_mission import Planned, planned
+from companion.config.syntax.document import Document, parse
+from companion.config.syntax.faults import ConfigError, Fault
+from companion.config.syntax.file_lookup import read
 from companion.paths.placement import Placement
 from companion.paths.tracing import PathError
 from companion.plans.items import PlanError

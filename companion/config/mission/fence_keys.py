@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag, WithJsonSchema, model_validator
 
-from companion.config.path_keys import Coordinate, Metres
-from companion.config.schema import Strict
+from companion.config.mission.path_keys import Coordinate, Metres
+from companion.config.syntax.schema import Strict
 from companion.fence import Area, Circle, Fence, Polygon
 
 _PAIR = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}

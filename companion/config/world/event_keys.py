@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from companion.config.schema import Strict
+from companion.config.syntax.schema import Strict
 from companion.world import events
 from companion.world.events import Event, Part, When
 

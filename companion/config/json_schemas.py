@@ -7,9 +7,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from companion.config.mission import MissionModel
+from companion.config.mission.mission import MissionModel
 from companion.config.vehicle import VehicleModel
-from companion.config.world_keys import WorldModel
+from companion.config.world.keys import WorldModel
 
 MODELS: dict[str, type[BaseModel]] = {"mission": MissionModel, "vehicle": VehicleModel, "world": WorldModel}
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from companion.config.faults import Key
+from companion.config.syntax.faults import Key
 
 _MIXED_UP = (
     ("_s", 1000.0, "ms", 0.001),

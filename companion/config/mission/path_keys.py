@@ -17,8 +17,8 @@ from pydantic import (
 
 from companion.calculus.expression import CONSTANTS, FUNCTIONS
 from companion.calculus.expression import parse as parse_expression
-from companion.config.schema import Strict
-from companion.config.units import not_radians
+from companion.config.syntax.schema import Strict
+from companion.config.syntax.units import not_radians
 from companion.paths.implicit import VARIABLES
 
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]

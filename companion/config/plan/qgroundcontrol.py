@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from companion.config.document import Document
-from companion.config.faults import ConfigError, Fault, Key
-from companion.config.json_text import parse_json
-from companion.config.waypoint_files import is_waypoints, waypoints_from
+from companion.config.plan.waypoints import is_waypoints, waypoints_from
+from companion.config.syntax.document import Document
+from companion.config.syntax.faults import ConfigError, Fault, Key
+from companion.config.syntax.json_text import parse_json
 from companion.plans.items import FenceArea, Item, Place, Plan
 from companion.plans.scan import StructureScan, scan_items
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from companion.config.faults import ConfigError, Fault
+from companion.config.syntax.faults import ConfigError, Fault
 
-_PACKAGE = Path(__file__).resolve().parent.parent
+_PACKAGE = Path(__file__).resolve().parents[2]
 SHIPPED = next(place for place in (_PACKAGE / "configs", _PACKAGE.parent / "configs") if place.is_dir())
 """The shipped files: inside an installed package, or beside it in a checkout."""
 

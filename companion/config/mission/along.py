@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from companion.config.document import Document
-from companion.config.faults import Fault
-from companion.config.profile_keys import SPEED_MIN
+from companion.config.mission.profile_keys import SPEED_MIN
+from companion.config.syntax.document import Document
+from companion.config.syntax.faults import Fault
 from companion.frames import Vec3
 from companion.mission import Mission
 from companion.paths.tracing import PathError

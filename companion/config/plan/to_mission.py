@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.config.plan_yaw import leg_yaw
+from companion.config.plan.yaw import leg_yaw
 from companion.fence import Fence
 from companion.frames import Vec3
 from companion.geodesy import LocalFrame

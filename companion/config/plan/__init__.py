@@ -1,0 +1,7 @@
+"""Plans of ground stations -> missions.
+
+qgroundcontrol  QGroundControl's .plan -> plans
+waypoints       the older .waypoints -> plans
+source          where the plan of a mission is; a plan in the place of a mission file
+to_mission      a plan -> the path, speed and fence of a mission; yaw: its heading
+"""
