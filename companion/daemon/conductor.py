@@ -20,7 +20,7 @@ from companion.flight.phases import Phase, Request
 from companion.flight.situation import Answer, Reply
 from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
-from companion.mavlink import setpoints, telemetry
+from companion.mavlink import requests, setpoints, telemetry
 from companion.mavlink.codec import Decoder
 from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.mavlink.parameters import Parameters
@@ -30,13 +30,13 @@ from companion.record.folder import Recorder
 from companion.vehicle import Mode, Setpoint, VehicleState
 
 COMMANDS = {
-    Request.ARM: wire.ARM,
-    Request.DISARM: wire.DISARM,
-    Request.TAKE_OFF: wire.AUTO_TAKE_OFF,
-    Request.OFFBOARD: wire.set_mode(Mode.OFFBOARD),
-    Request.HOLD: wire.set_mode(Mode.HOLD),
-    Request.LAND: wire.AUTO_LAND,
-    Request.RETURN: wire.set_mode(Mode.RETURN),
+    Request.ARM: requests.ARM,
+    Request.DISARM: requests.DISARM,
+    Request.TAKE_OFF: requests.AUTO_TAKE_OFF,
+    Request.OFFBOARD: requests.set_mode(Mode.OFFBOARD),
+    Request.HOLD: requests.set_mode(Mode.HOLD),
+    Request.LAND: requests.AUTO_LAND,
+    Request.RETURN: requests.set_mode(Mode.RETURN),
 }
 __all__ = ["COMMANDS", "Conductor", "Orders", "Tick"]
 
@@ -76,13 +76,13 @@ class Conductor:
         self.orders = orders
         self.link = wire.Link(
             streams=(
-                wire.stream(telemetry.ODOMETRY.id, rate),
-                wire.stream(telemetry.CURRENT_MODE.id, 20.0),
-                wire.stream(telemetry.EXTENDED_SYS_STATE.id, 10.0),
-                wire.stream(telemetry.ESTIMATOR_STATUS.id, 5.0),
-                wire.stream(telemetry.BATTERY_STATUS.id, 1.0),
-                wire.request(telemetry.GPS_GLOBAL_ORIGIN.id),
-                wire.request(telemetry.HOME_POSITION.id),
+                requests.stream(telemetry.ODOMETRY.id, rate),
+                requests.stream(telemetry.CURRENT_MODE.id, 20.0),
+                requests.stream(telemetry.EXTENDED_SYS_STATE.id, 10.0),
+                requests.stream(telemetry.ESTIMATOR_STATUS.id, 5.0),
+                requests.stream(telemetry.BATTERY_STATUS.id, 1.0),
+                requests.request(telemetry.GPS_GLOBAL_ORIGIN.id),
+                requests.request(telemetry.HOME_POSITION.id),
             )
         )
         self.parameters = Parameters(self.link.send)
@@ -250,7 +250,7 @@ class Conductor:
         self.memory, outcome = pilot.rest(self.plan, self.memory, seen, now, early)
         if early is None and outcome.setpoint is not None:
             self._queue(self.memory, outcome.setpoint)
-        self.link.want(None if outcome.request is None else COMMANDS[outcome.request], now)
+        self.link.requests.want(None if outcome.request is None else COMMANDS[outcome.request], now)
         self._wake_at = pilot.wake_at(self.memory, now)
         self.notes += outcome.notes
         self.last = self._pending = Tick(seen, self.memory, outcome, now, before)
@@ -283,7 +283,7 @@ class Conductor:
         if self.orders.draw and origin is not None and identity is not None:
             self.ground.draw(self.plan, LocalFrame(*origin), identity.system)
 
-    def _answer(self, command: wire.Command, result: int) -> Answer | None:
+    def _answer(self, command: requests.Command, result: int) -> Answer | None:
         for request, known in COMMANDS.items():
             if known == command and result in range(len(Reply)):
                 return Answer(request, Reply(result))

@@ -5,5 +5,6 @@ codec       bytes <-> frames
 modes       PX4's flight modes and landed states in HEARTBEAT, CURRENT_MODE and EXTENDED_SYS_STATE
 telemetry   frames -> VehicleState and VehicleStatus
 setpoints   Setpoint -> bytes
-link        heartbeats, commands with acknowledgement and retry, stream intervals, time synchronisation
+link        who the vehicle is, heartbeats, time synchronisation
+requests    what is asked of it: commands with acknowledgement and retry, stream intervals
 """

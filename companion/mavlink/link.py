@@ -1,6 +1,6 @@
 """The conversation with one vehicle, without sockets or clocks.
 
-Who it is, heartbeats, commands with acknowledgement and retry, stream intervals, time synchronisation.
+Who it is, heartbeats, time synchronisation; what is asked of it is in ``requests``.
 
 Bytes go out through ``outgoing``; every door takes ``now`` (s, our monotonic clock).
 """
@@ -12,10 +12,9 @@ from dataclasses import dataclass, field
 
 from companion.mavlink.codec import Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
-from companion.vehicle import Mode
+from companion.mavlink.requests import COMMAND_LONG, Command, Requests, request
 
 HEARTBEAT = message("HEARTBEAT")
-COMMAND_LONG = message("COMMAND_LONG")
 COMMAND_ACK = message("COMMAND_ACK")
 TIMESYNC = message("TIMESYNC")
 AUTOPILOT_VERSION = message("AUTOPILOT_VERSION")
@@ -32,63 +31,12 @@ STATE_ACTIVE = 4
 CAPABILITY_ACTUATORS = 1024
 """MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET."""
 
-ARM_DISARM = 400
-TAKE_OFF = 22
-LAND = 21
-SET_MODE = 176
-SET_MESSAGE_INTERVAL = 511
-REQUEST_MESSAGE = 512
-CUSTOM_MODE_ENABLED = 1.0
-
 HEARTBEAT_PERIOD = 1.0
 TIMESYNC_PERIOD = 0.5
 ROUND_TRIPS = 9
 """of which the middle one counts: one that waited in a queue says nothing, a link that has become slower does."""
-RETRY_UNANSWERED = 0.5
-RETRY_REFUSED = 1.0
-RETRY_ACCEPTED = 5.0
-"""s until a command that stays wanted is sent again: unanswered, refused, accepted without effect."""
-
-SET_UP_TRIES = 10
 COMPANION_GONE = 3.0
 """s without its heartbeat after which another companion is gone."""
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """A COMMAND_LONG: its id and seven parameters."""
-
-    id: int
-    parameters: tuple[float, ...] = ()
-
-    @property
-    def padded(self) -> tuple[float, ...]:
-        """Seven parameters, zero where not given."""
-        return self.parameters + (0.0,) * (7 - len(self.parameters))
-
-
-UNUSED = (math.nan,) * 7
-
-
-def set_mode(mode: Mode) -> Command:
-    """Asks for a flight mode."""
-    return Command(SET_MODE, (CUSTOM_MODE_ENABLED, float(mode.main), float(mode.sub)))
-
-
-ARM = Command(ARM_DISARM, (1.0,))
-DISARM = Command(ARM_DISARM, (0.0,))
-AUTO_TAKE_OFF = Command(TAKE_OFF, UNUSED)
-AUTO_LAND = Command(LAND, UNUSED)
-
-
-def request(msgid: int) -> Command:
-    """Asks for a message once."""
-    return Command(REQUEST_MESSAGE, (float(msgid),))
-
-
-def stream(msgid: int, rate: float) -> Command:
-    """Asks for a message at ``rate`` Hz."""
-    return Command(SET_MESSAGE_INTERVAL, (float(msgid), float(round(1e6 / rate))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,14 +56,6 @@ class Identity:
 
 
 @dataclass(slots=True)
-class _Pending:
-    command: Command
-    sent_at: float
-    tries: int = 1
-    result: int | None = None
-
-
-@dataclass(slots=True)
 class Link:
     """One companion's side of the conversation.
 
@@ -132,11 +72,12 @@ class Link:
     texts: list[tuple[int, str]] = field(default_factory=list)
     outgoing: list[bytes] = field(default_factory=list)
     encoder: Encoder = field(default_factory=lambda: Encoder(1, ONBOARD_COMPUTER))
-    _wanted: _Pending | None = None
-    _set_up: list[Command] = field(default_factory=list)
-    _setting_up: _Pending | None = None
+    requests: Requests = field(init=False)
     _heartbeat_at: float = -math.inf
     _timesync_at: float = -math.inf
+
+    def __post_init__(self) -> None:
+        self.requests = Requests(self._command)
 
     def send(self, fmt: Format, values: tuple[Value, ...]) -> None:
         """Queue one message."""
@@ -145,7 +86,7 @@ class Link:
     @property
     def is_set_up(self) -> bool:
         """Whether the vehicle answered everything that is asked once, or will not."""
-        return self.identity is not None and not self._set_up
+        return self.identity is not None and self.requests.is_set_up
 
     @property
     def is_px4(self) -> bool:
@@ -178,28 +119,6 @@ class Link:
             self.texts.append((severity, text.split(b"\0")[0].decode("utf-8", "replace").rstrip("\t")))
         return None
 
-    def want(self, command: Command | None, now: float) -> None:
-        """What is asked of the vehicle from now on. Sent at once when new, and again until it is no longer wanted."""
-        pending = self._wanted
-        if command is None:
-            self._wanted = None
-        elif pending is None or pending.command != command:
-            self._wanted = _Pending(command, now)
-            self._command(command, 0)
-        else:
-            waited = now - pending.sent_at
-            wait = (
-                RETRY_UNANSWERED
-                if pending.result is None
-                else RETRY_ACCEPTED
-                if pending.result in (0, 5)
-                else RETRY_REFUSED
-            )
-            if waited >= wait:
-                confirmation = pending.tries if pending.result is None else 0
-                self._wanted = _Pending(command, now, pending.tries + 1)
-                self._command(command, min(confirmation, 255))
-
     def on_timer(self, now: float) -> None:
         """Send what is due."""
         if now >= self._heartbeat_at + HEARTBEAT_PERIOD:
@@ -210,24 +129,13 @@ class Link:
         if now >= self._timesync_at + TIMESYNC_PERIOD:
             self._timesync_at = now
             self.send(TIMESYNC, (0, round(now * 1e9)))
-        if self._setting_up is None and self._set_up:
-            self._setting_up = _Pending(self._set_up[0], now)
-            self._command(self._set_up[0], 0)
-        elif self._setting_up is not None and now >= self._setting_up.sent_at + RETRY_UNANSWERED:
-            tries = self._setting_up.tries
-            if tries >= SET_UP_TRIES:
-                self._next_set_up(now)
-                return
-            self._setting_up = _Pending(self._set_up[0], now, tries + 1)
-            self._command(self._set_up[0], min(tries, 255))
+        self.requests.on_timer(now)
 
     def next_timer(self) -> float:
         """When ``on_timer`` has something to do."""
         due = [self._heartbeat_at + HEARTBEAT_PERIOD]
         if self.identity is not None:
-            due.append(self._timesync_at + TIMESYNC_PERIOD)
-            if self._setting_up is not None:
-                due.append(self._setting_up.sent_at + RETRY_UNANSWERED)
+            due += (self._timesync_at + TIMESYNC_PERIOD, self.requests.next_timer())
         return min(due)
 
     def _meet(self, frame: Frame, now: float) -> None:
@@ -239,7 +147,7 @@ class Link:
         if self.identity is None:
             self.identity = Identity(frame.system, autopilot, kind)
             self.encoder.system = frame.system
-            self._set_up = [request(AUTOPILOT_VERSION.id), *self.streams]
+            self.requests.set_up([request(AUTOPILOT_VERSION.id), *self.streams])
             self.on_timer(now)
         elif frame.system != self.identity.system:
             self.others[frame.system] = autopilot
@@ -248,21 +156,7 @@ class Link:
         command, result, _, _, system, component = frame.values
         if (system, component) not in ((0, 0), (self.encoder.system, self.encoder.component)):
             return None
-        if self._setting_up is not None and command == self._setting_up.command.id:
-            # the autopilot answers in order, so the answer is to the one that was sent last
-            if result != 1 or self._setting_up.tries > 3:
-                self._next_set_up(now)
-            return None
-        pending = self._wanted
-        if pending is not None and command == pending.command.id and pending.result is None:
-            pending.result = result
-            return pending.command, result
-        return None
-
-    def _next_set_up(self, now: float) -> None:
-        self._set_up.pop(0)
-        self._setting_up = None
-        self.on_timer(now)
+        return self.requests.acknowledged(command, result, now)
 
     def _identify(self, frame: Frame) -> None:
         values = AUTOPILOT_VERSION.named(frame.values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from companion.mavlink import link as wire
+from companion.mavlink import requests
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Value, message
 from companion.vehicle import Mode
@@ -16,7 +17,7 @@ class Peer:
         self.encoder = Encoder(system, component)
         self.decoder = Decoder()
 
-    def says(self, name: str, now: float, **fields: Value) -> tuple[wire.Command, int] | None:
+    def says(self, name: str, now: float, **fields: Value) -> tuple[requests.Command, int] | None:
         (frame,) = Decoder().datagram(self.encoder.message(message(name), **fields))
         return self.link.receive(frame, now)
 
@@ -31,7 +32,9 @@ class Peer:
     def heartbeat(self, now: float, autopilot: int = 12) -> None:
         self.says("HEARTBEAT", now, autopilot=autopilot, type=2, system_status=4)
 
-    def acknowledges(self, command: int, result: int, now: float, target: int = 191) -> tuple[wire.Command, int] | None:
+    def acknowledges(
+        self, command: int, result: int, now: float, target: int = 191
+    ) -> tuple[requests.Command, int] | None:
         return self.says("COMMAND_ACK", now, command=command, result=result, target_system=1, target_component=target)
 
 
@@ -63,19 +66,19 @@ def test_ground_stations_and_other_companions_are_no_vehicle() -> None:
 
 
 def test_streams_are_asked_for_one_by_one_until_answered() -> None:
-    link = wire.Link(streams=(wire.stream(331, 250.0), wire.stream(436, 20.0)))
+    link = wire.Link(streams=(requests.stream(331, 250.0), requests.stream(436, 20.0)))
     vehicle = Peer(link)
     vehicle.heartbeat(0.0)
-    assert vehicle.commands() == [(wire.REQUEST_MESSAGE, 0.0, 0)]
-    vehicle.acknowledges(wire.REQUEST_MESSAGE, 0, 0.01)
-    assert vehicle.commands() == [(wire.SET_MESSAGE_INTERVAL, 4000.0, 0)]
+    assert vehicle.commands() == [(requests.REQUEST_MESSAGE, 0.0, 0)]
+    vehicle.acknowledges(requests.REQUEST_MESSAGE, 0, 0.01)
+    assert vehicle.commands() == [(requests.SET_MESSAGE_INTERVAL, 4000.0, 0)]
     link.on_timer(0.3)
     assert vehicle.commands() == []
     link.on_timer(0.6)  # no answer
-    assert vehicle.commands() == [(wire.SET_MESSAGE_INTERVAL, 4000.0, 1)]
-    vehicle.acknowledges(wire.SET_MESSAGE_INTERVAL, 0, 0.61)
-    assert vehicle.commands() == [(wire.SET_MESSAGE_INTERVAL, 50000.0, 0)]
-    vehicle.acknowledges(wire.SET_MESSAGE_INTERVAL, 4, 0.62)  # not streamed by this vehicle: go on
+    assert vehicle.commands() == [(requests.SET_MESSAGE_INTERVAL, 4000.0, 1)]
+    vehicle.acknowledges(requests.SET_MESSAGE_INTERVAL, 0, 0.61)
+    assert vehicle.commands() == [(requests.SET_MESSAGE_INTERVAL, 50000.0, 0)]
+    vehicle.acknowledges(requests.SET_MESSAGE_INTERVAL, 4, 0.62)  # not streamed by this vehicle: go on
     link.on_timer(1.3)
     assert vehicle.commands() == []
 
@@ -83,7 +86,7 @@ def test_streams_are_asked_for_one_by_one_until_answered() -> None:
 def ready(link: wire.Link) -> Peer:
     vehicle = Peer(link)
     vehicle.heartbeat(0.0)
-    vehicle.acknowledges(wire.REQUEST_MESSAGE, 0, 0.01)
+    vehicle.acknowledges(requests.REQUEST_MESSAGE, 0, 0.01)
     vehicle.hears()
     return vehicle
 
@@ -91,34 +94,34 @@ def ready(link: wire.Link) -> Peer:
 def test_a_command_is_sent_at_once_and_again_until_it_is_no_longer_wanted() -> None:
     link = wire.Link()
     vehicle = ready(link)
-    offboard = wire.set_mode(Mode.OFFBOARD)
-    link.want(offboard, 1.0)
+    offboard = requests.set_mode(Mode.OFFBOARD)
+    link.requests.want(offboard, 1.0)
     assert vehicle.commands() == [(176, 6.0, 0)]
-    link.want(offboard, 1.2)
+    link.requests.want(offboard, 1.2)
     assert vehicle.commands() == []
-    link.want(offboard, 1.51)
+    link.requests.want(offboard, 1.51)
     assert vehicle.commands() == [(176, 6.0, 1)]  # a retry says so
     assert vehicle.acknowledges(176, 1, 1.52) == (offboard, 1)
-    link.want(offboard, 2.0)
+    link.requests.want(offboard, 2.0)
     assert vehicle.commands() == []
-    link.want(offboard, 2.6)
+    link.requests.want(offboard, 2.6)
     assert vehicle.commands() == [(176, 6.0, 0)]  # refused for the time being: asked anew
     assert vehicle.acknowledges(176, 0, 2.61) == (offboard, 0)
-    link.want(offboard, 4.0)
+    link.requests.want(offboard, 4.0)
     assert vehicle.commands() == []
-    link.want(None, 4.1)
-    link.want(wire.set_mode(Mode.HOLD), 4.2)
+    link.requests.want(None, 4.1)
+    link.requests.want(requests.set_mode(Mode.HOLD), 4.2)
     assert vehicle.commands() == [(176, 4.0, 0)]
 
 
 def test_answers_to_others_and_repeated_answers_do_not_count() -> None:
     link = wire.Link()
     vehicle = ready(link)
-    link.want(wire.ARM, 1.0)
+    link.requests.want(requests.ARM, 1.0)
     assert vehicle.acknowledges(400, 0, 1.01, target=190) is None
     assert Peer(link, 1, 50).acknowledges(400, 0, 1.01) is None  # not the autopilot
     assert vehicle.acknowledges(22, 0, 1.01) is None
-    assert vehicle.acknowledges(400, 0, 1.02) == (wire.ARM, 0)
+    assert vehicle.acknowledges(400, 0, 1.02) == (requests.ARM, 0)
     assert vehicle.acknowledges(400, 0, 1.03) is None
 
 

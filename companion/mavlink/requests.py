@@ -1,0 +1,152 @@
+"""What is asked of the vehicle: commands with acknowledgement and retry.
+
+A ``Command`` is a COMMAND_LONG as a value. ``Requests`` asks for what is to be set up once (streams, single messages),
+one after the other, and for the one command that the flight wants at present.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from companion.mavlink.dialect import message
+from companion.vehicle import Mode
+
+COMMAND_LONG = message("COMMAND_LONG")
+
+ARM_DISARM = 400
+TAKE_OFF = 22
+LAND = 21
+SET_MODE = 176
+SET_MESSAGE_INTERVAL = 511
+REQUEST_MESSAGE = 512
+CUSTOM_MODE_ENABLED = 1.0
+
+RETRY_UNANSWERED = 0.5
+RETRY_REFUSED = 1.0
+RETRY_ACCEPTED = 5.0
+"""s until a command that stays wanted is sent again: unanswered, refused, accepted without effect."""
+
+SET_UP_TRIES = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A COMMAND_LONG: its id and seven parameters."""
+
+    id: int
+    parameters: tuple[float, ...] = ()
+
+    @property
+    def padded(self) -> tuple[float, ...]:
+        """Seven parameters, zero where not given."""
+        return self.parameters + (0.0,) * (7 - len(self.parameters))
+
+
+UNUSED = (math.nan,) * 7
+
+
+def set_mode(mode: Mode) -> Command:
+    """Asks for a flight mode."""
+    return Command(SET_MODE, (CUSTOM_MODE_ENABLED, float(mode.main), float(mode.sub)))
+
+
+ARM = Command(ARM_DISARM, (1.0,))
+DISARM = Command(ARM_DISARM, (0.0,))
+AUTO_TAKE_OFF = Command(TAKE_OFF, UNUSED)
+AUTO_LAND = Command(LAND, UNUSED)
+
+
+def request(msgid: int) -> Command:
+    """Asks for a message once."""
+    return Command(REQUEST_MESSAGE, (float(msgid),))
+
+
+def stream(msgid: int, rate: float) -> Command:
+    """Asks for a message at ``rate`` Hz."""
+    return Command(SET_MESSAGE_INTERVAL, (float(msgid), float(round(1e6 / rate))))
+
+
+@dataclass(slots=True)
+class _Pending:
+    command: Command
+    sent_at: float
+    tries: int = 1
+    result: int | None = None
+
+
+@dataclass(slots=True)
+class Requests:
+    """What is asked of one vehicle. ``send(command, confirmation)`` queues one COMMAND_LONG. Times: s, our clock."""
+
+    send: Callable[[Command, int], None]
+    _wanted: _Pending | None = None
+    _set_up: list[Command] = field(default_factory=list)
+    _setting_up: _Pending | None = None
+
+    @property
+    def is_set_up(self) -> bool:
+        """Whether everything that is asked once was answered, or will not be."""
+        return not self._set_up
+
+    def set_up(self, commands: list[Command]) -> None:
+        """Ask for these once, one after the other, from the next ``on_timer`` on."""
+        self._set_up = commands
+
+    def want(self, command: Command | None, now: float) -> None:
+        """What is asked of the vehicle from now on. Sent at once when new, and again until it is no longer wanted."""
+        pending = self._wanted
+        if command is None:
+            self._wanted = None
+        elif pending is None or pending.command != command:
+            self._wanted = _Pending(command, now)
+            self.send(command, 0)
+        else:
+            waited = now - pending.sent_at
+            wait = (
+                RETRY_UNANSWERED
+                if pending.result is None
+                else RETRY_ACCEPTED
+                if pending.result in (0, 5)
+                else RETRY_REFUSED
+            )
+            if waited >= wait:
+                confirmation = pending.tries if pending.result is None else 0
+                self._wanted = _Pending(command, now, pending.tries + 1)
+                self.send(command, min(confirmation, 255))
+
+    def acknowledged(self, command: int, result: int, now: float) -> tuple[Command, int] | None:
+        """A COMMAND_ACK for us. The command that stands wanted and its MAV_RESULT, where this answers it."""
+        if self._setting_up is not None and command == self._setting_up.command.id:
+            # the autopilot answers in order, so the answer is to the one that was sent last
+            if result != 1 or self._setting_up.tries > 3:
+                self._next_set_up(now)
+            return None
+        pending = self._wanted
+        if pending is not None and command == pending.command.id and pending.result is None:
+            pending.result = result
+            return pending.command, result
+        return None
+
+    def on_timer(self, now: float) -> None:
+        """Send what is due of what is set up."""
+        if self._setting_up is None and self._set_up:
+            self._setting_up = _Pending(self._set_up[0], now)
+            self.send(self._set_up[0], 0)
+        elif self._setting_up is not None and now >= self._setting_up.sent_at + RETRY_UNANSWERED:
+            tries = self._setting_up.tries
+            if tries >= SET_UP_TRIES:
+                self._next_set_up(now)
+                return
+            self._setting_up = _Pending(self._set_up[0], now, tries + 1)
+            self.send(self._set_up[0], min(tries, 255))
+
+    def next_timer(self) -> float:
+        """When ``on_timer`` has something to do."""
+        return math.inf if self._setting_up is None else self._setting_up.sent_at + RETRY_UNANSWERED
+
+    def _next_set_up(self, now: float) -> None:
+        self._set_up.pop(0)
+        self._setting_up = None
+        self.on_timer(now)
