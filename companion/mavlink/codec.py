@@ -261,8 +261,13 @@ class Encoder:
     sequence: int = 0
 
     def encode(self, fmt: Format, values: tuple[Value, ...]) -> bytes:
-        """The frame of ``values`` (flat, wire order), its trailing zero bytes cut. struct.error: it does not fit."""
-        payload = fmt.pack(*values).rstrip(b"\0") or b"\0"
+        """The frame of ``values`` (flat, wire order), its trailing zero bytes cut. A number that its type on the wire
+        cannot hold becomes the nearest that it can. struct.error, ValueError: they are not this message's values."""
+        try:
+            payload = fmt.pack(*values)
+        except (struct.error, OverflowError):
+            payload = fmt.pack(*fmt.clamped(values))
+        payload = payload.rstrip(b"\0") or b"\0"
         sequence, msgid = self.sequence, fmt.id
         self.sequence = sequence + 1 & 0xFF
         body = _HEAD(len(payload), 0, 0, sequence, self.system, self.component, msgid & 0xFFFF, msgid >> 16) + payload

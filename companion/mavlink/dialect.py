@@ -7,6 +7,8 @@ are declared below from the MAVLink specification, and their CRC extras are comp
 
 from __future__ import annotations
 
+import math
+import re
 import struct
 from collections.abc import Mapping
 from typing import Any
@@ -31,6 +33,11 @@ _TYPE_CODES = {
 }
 
 
+FLOAT32_MAX = 3.4028234663852886e38
+"""The largest finite number of IEEE 754 binary32."""
+_ONE_KIND = re.compile(r"(\d*)([a-zA-Z])")
+
+
 class Format:
     """One message on the wire.
 
@@ -38,7 +45,19 @@ class Format:
     entry an array element, one ``bytes`` a string. ``where`` gives each field's index, or slice for an array, in it.
     """
 
-    __slots__ = ("crc_extra", "crc_extra_byte", "fields", "id", "name", "pack", "size", "unpack", "where", "zero")
+    __slots__ = (
+        "codes",
+        "crc_extra",
+        "crc_extra_byte",
+        "fields",
+        "id",
+        "name",
+        "pack",
+        "size",
+        "unpack",
+        "where",
+        "zero",
+    )
 
     def __init__(self, msgid: int, name: str, layout: str, fields: Mapping[str, int], crc_extra: int) -> None:
         packer = struct.Struct(layout)
@@ -56,6 +75,9 @@ class Format:
             self.where[field] = slice(at, at + length) if length else at
             at += length or 1
         self.zero = packer.unpack(bytes(packer.size))
+        self.codes = "".join(
+            code if code == "s" else code * int(count or 1) for count, code in _ONE_KIND.findall(layout)
+        )
 
     def values(self, **fields: Value) -> tuple[Value, ...]:
         """The flat values with ``fields`` set and the rest zero. Strings may be ``str``. KeyError: no such field."""
@@ -70,6 +92,11 @@ class Format:
                 flat[where] = value.encode() if isinstance(value, str) else value
         return tuple(flat)
 
+    def clamped(self, values: tuple[Value, ...]) -> tuple[Value, ...]:
+        """The values, each the nearest that its type on the wire can hold; NaN is 0 where that is an integer. Not for
+        the hot path: ``pack`` says where it is needed."""
+        return tuple(_clamped(code, value) for code, value in zip(self.codes, values, strict=True))
+
     def named(self, values: tuple[Value, ...]) -> dict[str, Value]:
         """The values by field name, arrays as tuples, strings as ``str`` without padding. Not for the hot path."""
         result: dict[str, Value] = {}
@@ -80,6 +107,20 @@ class Format:
 
     def __repr__(self) -> str:
         return f"<{self.name} {self.id}>"
+
+
+def _clamped(code: str, value: Value) -> Value:
+    if code in "sc":
+        return value
+    if code in "fd":
+        if code == "d" or value != value or -FLOAT32_MAX <= value <= FLOAT32_MAX:
+            return value
+        return math.copysign(FLOAT32_MAX, value) if math.isfinite(value) else value
+    bits = 8 * struct.calcsize(f"<{code}")
+    low, high = (0, (1 << bits) - 1) if code.isupper() else (-(1 << bits - 1), (1 << bits - 1) - 1)
+    if value != value:
+        return 0
+    return low if value <= low else high if value >= high else round(value)
 
 
 def _declare(msgid: int, name: str, fields: str, extensions: str = "") -> Format:

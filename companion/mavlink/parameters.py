@@ -150,7 +150,7 @@ class Parameters:
 
 
 def _decoded(frame: Frame) -> tuple[str, Held | None]:
-    """Name and value of a PARAM_VALUE, by its own type; None for a type PX4 does not use."""
+    """Name and value of a PARAM_VALUE, by its own type; None for a type PX4 does not use and for what is no number."""
     _, _, _, name, kind = frame.values
     payload = 10 if frame.raw[0] == MAGIC_V2 else 6
     raw = frame.raw[payload : payload + 4]
@@ -158,7 +158,7 @@ def _decoded(frame: Frame) -> tuple[str, Held | None]:
     if code is None:
         return _text(name), None
     (value,) = struct.unpack("<" + code, raw[: struct.calcsize(code)])
-    return _text(name), Held(value, kind)
+    return _text(name), Held(value, kind) if math.isfinite(value) else None
 
 
 def _same(held: Held, value: float) -> bool:

@@ -1,4 +1,7 @@
-"""Setpoint -> the values of its MAVLink message, one small function per encoding."""
+"""Setpoint -> the values of its MAVLink message, one small function per encoding.
+
+Stamps are those of a state, which telemetry has bounded; a number too large for its type is clamped by the encoder.
+"""
 
 from __future__ import annotations
 

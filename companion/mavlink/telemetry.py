@@ -31,6 +31,17 @@ BODY_FRD = 12
 ARMED_FLAG = 0x80
 STANDBY, ACTIVE, CRITICAL = 3, 4, 5
 
+POSITION_MAX = 1e5
+"""m from the local origin: a float32 resolves 8 mm there (engineering choice)."""
+SPEED_MAX = 200.0
+"""m/s: several times what a multirotor reaches (engineering choice)."""
+RATE_MAX = 70.0
+"""rad/s: 4000 deg/s, the widest range of the gyros that PX4 has drivers for."""
+STAMP_MAX = 1 << 52
+"""us: 142 years, which covers a clock since boot and one since 1970; beyond, a double does not resolve 1 us."""
+ALTITUDE_MAX = 1e5
+"""m above mean sea level (engineering choice)."""
+
 
 @dataclass(slots=True)
 class Telemetry:
@@ -79,11 +90,14 @@ class Telemetry:
 
     def _home(self, frame: Frame) -> None:
         latitude, longitude, altitude, x, y, z = frame.values[:6]
-        if math.isfinite(x + y + z):
+        if _is_on_earth(latitude, longitude, altitude) and math.hypot(x, y, z) <= POSITION_MAX:
             self.home = Home(latitude * 1e-7, longitude * 1e-7, altitude * 1e-3, (x, y, z))
 
     def _global_origin(self, frame: Frame) -> None:
         latitude, longitude, altitude = frame.values[:3]
+        if not _is_on_earth(latitude, longitude, altitude):
+            self._refuse("GPS_GLOBAL_ORIGIN that is no place on earth")
+            return
         self.origin = FrameOrigin(latitude * 1e-7, longitude * 1e-7, altitude * 1e-3)
 
     def _odometry(self, frame: Frame) -> VehicleState | None:
@@ -94,6 +108,17 @@ class Telemetry:
             return None
         if not math.isfinite(x + y + z + qw + qx + qy + qz + vx + vy + vz + p + q + r):
             self._refuse("ODOMETRY that is not finite")
+            return None
+        impossible = (
+            "stamped later than 142 years" if time_usec >= STAMP_MAX
+            else f"further than {1e-3 * POSITION_MAX:g} km from its origin"
+            if x * x + y * y + z * z > POSITION_MAX * POSITION_MAX
+            else f"faster than {SPEED_MAX:g} m/s" if vx * vx + vy * vy + vz * vz > SPEED_MAX * SPEED_MAX
+            else f"turning faster than {RATE_MAX:g} rad/s" if p * p + q * q + r * r > RATE_MAX * RATE_MAX
+            else None
+        )  # fmt: skip
+        if impossible is not None:
+            self._refuse(f"ODOMETRY {impossible}")
             return None
         if abs(qw * qw + qx * qx + qy * qy + qz * qz - 1.0) > 0.1:
             self._refuse("ODOMETRY without an attitude")
@@ -109,6 +134,11 @@ class Telemetry:
 
     def _refuse(self, reason: str) -> None:
         self.refused[reason] = self.refused.get(reason, 0) + 1
+
+
+def _is_on_earth(latitude: int, longitude: int, altitude: int) -> bool:
+    """Whether degrees * 1e7 and mm are a place near the earth's surface."""
+    return abs(latitude) <= 900_000_000 and abs(longitude) <= 1_800_000_000 and abs(altitude) <= 1e3 * ALTITUDE_MAX
 
 
 _READERS: dict[int, Callable[[Telemetry, Frame], VehicleState | None]] = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import struct
 
 import pytest
 from pymavlink.dialects.v20 import development as pymavlink
@@ -159,3 +160,23 @@ def test_values_by_name_and_back() -> None:
     with pytest.raises(ValueError, match="takes 4 values"):
         odometry.values(q=(1.0, 0.0))
     assert math.isnan(odometry.values(x=math.nan)[1])
+
+
+def test_what_goes_on_the_wire_is_clamped_to_its_type() -> None:
+    target, named = BY_NAME["SET_ATTITUDE_TARGET"], BY_NAME["NAMED_VALUE_FLOAT"]
+    encoded = Encoder(1, 1).message(target, time_boot_ms=2**40, body_roll_rate=3.5e38, thrust=-1e300, type_mask=999)
+    (frame,) = Decoder().datagram(encoded)
+    told = target.named(frame.values)
+    assert (told["time_boot_ms"], told["type_mask"]) == (2**32 - 1, 255)
+    assert told["body_roll_rate"] == -told["thrust"] == pytest.approx(3.4028234663852886e38)
+    actuators = BY_NAME["SET_ACTUATOR_CONTROL_TARGET"]
+    for stamp, on_wire in ((2.0**64, 2**64 - 1), (-1.0, 0), (math.nan, 0), (math.inf, 2**64 - 1)):
+        (frame,) = Decoder().datagram(Encoder(1, 1).message(actuators, time_usec=stamp))
+        assert frame.values[0] == on_wire
+    (frame,) = Decoder().datagram(Encoder(1, 1).message(named, value=1e39, name="pf_path", time_boot_ms=1))
+    assert named.named(frame.values)["name"] == "pf_path"
+    (frame,) = Decoder().datagram(Encoder(1, 1).message(BY_NAME["MISSION_ITEM_INT"], x=-(2**40), y=2**31))
+    where = frame.format.where
+    assert (frame.values[where["x"]], frame.values[where["y"]]) == (-(2**31), 2**31 - 1)
+    with pytest.raises(struct.error):
+        Encoder(1, 1).encode(named, (1, 2.0, "not bytes"))

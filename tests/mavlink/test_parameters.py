@@ -11,7 +11,7 @@ import pytest
 from companion.flight.output import LOSS_TIME_MAX, chosen, motors_refused
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
-from companion.mavlink.parameters import RETRY_AFTER, TRIES, TUNING, Parameters
+from companion.mavlink.parameters import RETRY_AFTER, TRIES, TUNING, VALUE, Parameters
 from companion.vehicle import CompanionError, MotorInterface, OutputLevel, Tuning, Vehicle
 from sim_bridge.autopilot.mavlink.parameter_link import ParameterLink
 from sim_bridge.autopilot.parameters import defaults
@@ -134,3 +134,12 @@ def test_only_what_was_asked_for_is_kept() -> None:
 def read(name: str) -> tuple[Format, tuple[Value, ...]]:
     fmt = message("PARAM_REQUEST_READ")
     return fmt, fmt.values(target_system=1, target_component=1, param_id=name, param_index=-1)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_value_that_is_no_number_is_not_known(value: float) -> None:
+    ours = Parameters(lambda fmt, values: None)
+    ours.ask(["COM_OF_LOSS_T"], 1, 0.0)
+    ours.receive(arrived(1, VALUE, VALUE.values(param_value=value, param_id="COM_OF_LOSS_T", param_type=9)))
+    assert ours.value("COM_OF_LOSS_T") is None
+    assert not ours.settled

@@ -90,6 +90,14 @@ def test_velocity_in_the_body_frame_is_turned() -> None:
         ({"x": math.nan}, "not finite"),
         ({"vz": math.inf}, "not finite"),
         ({"q": (0.0, 0.0, 0.0, 0.0)}, "without an attitude"),
+        ({"x": 3e38}, "further than 100 km"),
+        ({"z": -100_001.0}, "further than 100 km"),
+        ({"vy": -3e38}, "faster than 200 m/s"),
+        ({"vz": 250.0}, "faster than 200 m/s"),
+        ({"rollspeed": 3e38}, "turning faster than 70 rad/s"),
+        ({"yawspeed": -71.0}, "turning faster than 70 rad/s"),
+        ({"time_usec": 2**64 - 1}, "stamped later than"),
+        ({"time_usec": 2**52}, "stamped later than"),
         ({"frame_id": 21}, "frame 21"),
         ({"child_frame_id": 3}, "frame 3"),
     ],
@@ -100,6 +108,33 @@ def test_what_is_no_state_is_refused_and_counted(changes: dict[str, Value], reas
     ((said, count),) = telemetry.refused.items()
     assert reason in said
     assert count == 1
+
+
+def test_a_state_at_the_edge_of_what_a_vehicle_can_be_is_one() -> None:
+    telemetry = Telemetry()
+    state = telemetry.receive(odometry(x=9e4, vx=190.0, rollspeed=69.0, time_usec=2**52 - 1))
+    assert state is not None
+    assert state.t_boot < 2**52 * 1e-6
+    assert not telemetry.refused
+
+
+@pytest.mark.parametrize(
+    ("name", "fields"),
+    [
+        ("HOME_POSITION", {"x": 3e38}),
+        ("HOME_POSITION", {"y": math.nan}),
+        ("HOME_POSITION", {"latitude": 900_000_001}),
+        ("HOME_POSITION", {"altitude": 2**31 - 1}),
+        ("GPS_GLOBAL_ORIGIN", {"longitude": -(2**31)}),
+        ("GPS_GLOBAL_ORIGIN", {"altitude": -(2**31)}),
+    ],
+)
+def test_a_place_that_is_none_is_not_known(name: str, fields: dict[str, Value]) -> None:
+    telemetry = Telemetry()
+    (frame,) = Decoder().datagram(Encoder(1, 1).message(message(name), **fields))
+    telemetry.receive(frame)
+    assert telemetry.home is None
+    assert telemetry.origin is None
 
 
 @pytest.mark.parametrize(
