@@ -5,24 +5,31 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from companion.daemon.conducting import conducted
 from companion.daemon.orders import Orders
 from companion.flight import output
-from companion.flight.conduct import Manner
+from companion.flight.conduct import TILT_MARGIN, Conduct, Manner
+from companion.frames import Vec3
 from companion.geodesy import LocalFrame
 from companion.mavlink.link import Identity, Link
 from companion.mavlink.parameters import TUNING, Parameters
 from companion.mavlink.telemetry import Telemetry
 from companion.mission import Mission
+from companion.paths.arc import ArcTable
 from companion.places.standing import NotKnownError, Whereabouts, placed
 from companion.places.words import place_words
 from companion.plan import Plan, prepared
-from companion.vehicle import CompanionError, Landed, OutputLevel, VehicleState
+from companion.vehicle import CompanionError, Landed, OutputLevel, Tuning, Vehicle, VehicleState
 
 PLACE_WITHIN = 30.0
 """s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
 IDENTITY_WITHIN = 5.0
 """s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
+FLOOR = 1.0
+"""m above the ground: the floor where none was ordered."""
+UNDER_THE_PATH = 0.5
+"""m the floor stays below the lowest point of the path at least."""
+SAMPLES = 200
+"""points of the path among which the lowest is looked for."""
 
 
 @dataclass
@@ -150,3 +157,30 @@ class Preparation:
 
     def _known_for(self, now: float) -> float:
         return 0.0 if self.heard_at is None else now - self.heard_at
+
+
+def conducted(
+    ordered: Conduct, vehicle: Vehicle, tuning: Tuning, table: ArcTable, home: Vec3 | None, stands_at: Vec3 | None
+) -> Conduct:
+    """``home``: of the vehicle, in its frame; ``stands_at``: where it stands if it does; None where not known."""
+    limits = ordered.limits
+    ground = home[2] if home is not None else stands_at[2] if stands_at is not None else None
+    floor = limits.floor
+    if floor is None and ground is not None:
+        lowest = ground - max(float(point[2]) for point in table.samples(SAMPLES)[1])
+        floor = min(FLOOR, lowest - UNDER_THE_PATH) if lowest > UNDER_THE_PATH else None
+    tilt = None
+    if vehicle.limits is not None:
+        ends = (tuning.fail_roll, tuning.fail_pitch, vehicle.limits.failure_detector)
+        tilt = min(angle for angle in ends if angle) - TILT_MARGIN
+    return ordered._replace(
+        limits=limits._replace(
+            floor=floor,
+            ground=ground,
+            tilt=tilt if limits.tilt is None else limits.tilt,
+            battery=tuning.battery_low or limits.battery,
+            radius=tuning.fence_radius,
+            height=tuning.fence_height,
+            home=home,
+        )
+    )

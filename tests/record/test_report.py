@@ -18,13 +18,13 @@ from companion.cli.commands import app
 from companion.config.syntax.faults import ConfigError
 from companion.flight.phases import Phase
 from companion.record import report
-from companion.record.report import gallery, motion, write_report
+from companion.record.report import figures, motion, write_report
 from companion.record.report.evidence import Evidence, gathered
-from companion.record.report.numbers import worded
+from companion.record.report.figures import inline
 from companion.record.report.page import page
 from companion.record.report.style import drawing
-from companion.record.report.svg import inline
-from companion.record.report.thinning import along, kept
+from companion.record.report.text import worded
+from companion.record.report.tracks import along, kept
 from companion.record.summary import summary
 from companion.vehicle import CompanionError, OutputLevel
 
@@ -271,7 +271,7 @@ def test_not_a_flight_folder(tmp_path: Path) -> None:
 def test_without_matplotlib_it_says_what_to_install(flown: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [name for name in sys.modules if name.startswith(f"{report.__name__}.")]:
         monkeypatch.delitem(sys.modules, name)
-    for name in ("gallery", "above", "space", "colouring", "style", "errors", "motion", "timing", "svg"):
+    for name in ("figures", "maps", "tracks", "style", "errors", "motion", "estimates", "timing"):
         monkeypatch.delattr(report, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(CompanionError, match=re.escape("pip install 'companion[report]'")):
@@ -289,7 +289,7 @@ def in_real_time(evidence: Evidence) -> Evidence:
 
 def test_a_real_time_flight_shows_its_timing_and_date(flown: Path) -> None:
     evidence = in_real_time(gathered(flown))
-    text = page(evidence, gallery.figures(evidence))
+    text = page(evidence, figures.figures(evidence))
     assert 'id="figure-gaps"' in text and 'id="figure-latency"' in text
     assert "gap between setpoints, ms" in text and "state to setpoint, ms" in text
     assert "15 January 2027" in text and "simulated, in real time" in text

@@ -1,25 +1,19 @@
 """``report.html``: the page one shows to others, from a flight folder.
 
     evidence    everything the page is made from, whatever is missing from the folder
-    places      the path and the track as rows of east, north, up
-    thinning    fewer points to draw, the same picture
+    tracks      the path and the track as rows of east, north, up; fewer points, coloured by a quantity
     palette     the colours
     style       type, lines, axes: one hand for every figure
-    colouring   a track in the colours of a quantity
-    svg         a figure as a piece of the page
-    above       figure 1: from above
-    space       figure 2: in space
+    maps        figures 1 and 2: from above, and in space
     errors      figures 3 and 4: G1, G2, G3 over time and along the path
     motion      figures 5 and 6: attitude, thrust and what was sent, as in the paper's Figs. 3 and 4
-    estimates   what steering learned about the vehicle
+    estimates   what was estimated of the vehicle
     timing      the loop
-    gallery     the figures in their order, with their captions (pictures: what it hands on)
-    timeline    the phases
-    numbers     a number as a reader wants it, and the table of them
-    words       the sentences: what was flown, how it ended
+    figures     the figures in their order, with their captions, as pieces of the page
+    text        the sentences, the phases, and the table of the numbers that matter
     page        all of it as one HTML file; page.css is its dress
 
-Only ``gallery`` and what it draws with need matplotlib, and only here is it imported.
+Only ``figures`` and what it draws with need matplotlib, and only here is it imported.
 """
 
 from __future__ import annotations
@@ -37,13 +31,13 @@ def write_report(directory: Path) -> Path:
     CompanionError: matplotlib is not installed, or the folder is not a readable flight folder (ConfigError).
     """
     try:
-        from companion.record.report import gallery
+        from companion.record.report import figures
     except ImportError as error:
         if (error.name or "").split(".")[0] not in ("matplotlib", "mpl_toolkits"):
             raise
         raise CompanionError("the report draws with matplotlib: pip install 'companion[report]'") from None
     evidence = gathered(directory)
-    text = page(evidence, gallery.figures(evidence))
+    text = page(evidence, figures.figures(evidence))
     target = directory / "report.html"
     target.write_text(text, encoding="utf-8")
     return target

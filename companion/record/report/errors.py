@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from companion.record.report.evidence import Array, Evidence, Series
-from companion.record.report.numbers import worded
 from companion.record.report.palette import BLUE, FAINT, TRUE
 from companion.record.report.style import along_x, decades, from_zero, legend, named, ramp_of_colours, spanned, stacked
-from companion.record.report.thinning import kept
+from companion.record.report.text import worded
+from companion.record.report.tracks import kept
 
 DECADES_APART = 100.0
 """From this ratio of the largest error to the settled one a logarithmic axis reads best."""

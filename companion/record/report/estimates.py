@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.palette import BLUE, FAINT, GREEN, VERMILION
 from companion.record.report.style import along_x, legend, named, spanned, stacked
-from companion.record.report.thinning import kept
+from companion.record.report.tracks import kept
 
 FILE = (0, (2, 2))
 HEIGHT = 3.6

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.palette import BLUE, FAINT, INK, LINES, TRUE, VERMILION
 from companion.record.report.style import along_x, legend, named, spanned, stacked
-from companion.record.report.thinning import kept
+from companion.record.report.tracks import kept
 from companion.vehicle import OutputLevel
 
 DASHED = (0, (3, 1.5))

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from importlib.resources import files
 from string import Template
+from typing import NamedTuple
 
 from companion.record.report.evidence import Evidence
-from companion.record.report.numbers import escaped, shown, table
-from companion.record.report.pictures import Section
-from companion.record.report.timeline import timeline
-from companion.record.report.words import facts, notes, outcome
+from companion.record.report.text import escaped, facts, notes, outcome, shown, table, timeline
 
 _PAGE = Template("""<!doctype html>
 <html lang="en">
@@ -138,3 +136,19 @@ def _file(resolved: dict[str, object], what: str) -> str:
     name = part.get("file") if isinstance(part, dict) else None
     # where the file lay is this machine's business, its name is the reader's
     return str(name).replace("\\", "/").rsplit("/", 1)[-1] if name else "not recorded"
+
+
+class Picture(NamedTuple):
+    """A figure: its id in the page, its SVG, the sentence under it."""
+
+    name: str
+    svg: str
+    caption: str
+
+
+class Section(NamedTuple):
+    """A part of the page: its title, its paragraphs (plain text), its figures."""
+
+    title: str
+    words: list[str]
+    pictures: list[Picture]

@@ -1,18 +1,19 @@
-"""The figures of a page in their order, each with the sentence that says what to see in it."""
+"""The figures of a page in their order, each as inline SVG with the sentence that says what to see in it."""
 
 from __future__ import annotations
 
+import io
+import re
 from collections.abc import Callable
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from companion.record.report import above, errors, estimates, motion, space, timing
+from companion.record.report import errors, estimates, maps, motion, timing
 from companion.record.report.evidence import Evidence
-from companion.record.report.numbers import worded
-from companion.record.report.pictures import Picture, Section
+from companion.record.report.page import Picture, Section
 from companion.record.report.style import drawing
-from companion.record.report.svg import inline
+from companion.record.report.text import escaped, worded
 from companion.vehicle import OutputLevel
 
 NOT_FOLLOWED = Section(
@@ -47,8 +48,8 @@ def _track(evidence: Evidence) -> Section:
         title,
         [],
         [
-            _picture("above", lambda: above.from_above(evidence), above_caption),
-            _picture("space", lambda: space.in_space(evidence), space_caption),
+            _picture("above", lambda: maps.from_above(evidence), above_caption),
+            _picture("space", lambda: maps.in_space(evidence), space_caption),
         ],
     )
 
@@ -169,3 +170,37 @@ def _timing(evidence: Evidence) -> Section:
     else:
         words.append("No latency was recorded.")
     return Section(title, words, pictures)
+
+
+_FONT = re.compile(r"font: (?P<weight>(?:bold |[0-9]+ )?)(?P<style>(?:italic |oblique )?)(?P<size>[\d.]+px) [^;\"]*")
+_LONG = re.compile(r"-?\d+\.\d{3,}")
+_TAG = re.compile(r"<[^>]+>")
+_ID = re.compile(r'(?P<before>\bid="|href="#|url\(#)(?P<name>[^")]+)')
+_NAMED_GROUP = re.compile(r'<g id="[a-zA-Z]\w*_\d+">')
+
+
+def inline(figure: Figure, name: str, description: str) -> str:
+    """``figure`` as an <svg> element. ``name``: unique in the page; ``description``: for those who cannot see it."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    text = buffer.getvalue()
+    body = text[text.index(">", text.index("<svg")) + 1 : text.rindex("</svg>")]
+    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    body = re.sub(r"<!--.*?-->", "", body, flags=re.DOTALL)
+    body = body.replace("xlink:href", "href")
+    body = _NAMED_GROUP.sub("<g>", body)
+    # ids are the page's, not the figure's: two figures may not share one
+    body = _ID.sub(lambda found: f"{found['before']}{name}-{found['name']}", body)
+    body = _FONT.sub(_font, body)
+    # a hundredth of a point is finer than any eye and any printer
+    body = _TAG.sub(lambda tag: _LONG.sub(lambda found: f"{float(found[0]):.2f}", tag[0]), body)
+    body = re.sub(r"\s*\n\s*", "\n", body).strip()
+    width, height = (72.0 * inches for inches in figure.get_size_inches())
+    return (
+        f'<svg viewBox="0 0 {width:.0f} {height:.0f}" role="img" aria-label="{escaped(description)}">\n{body}\n</svg>'
+    )
+
+
+def _font(found: re.Match[str]) -> str:
+    weight = found["weight"].strip()
+    return (f"font-weight: {weight}; " if weight else "") + f"font-size: {found['size']}"
