@@ -1,11 +1,12 @@
 # make demo   fly the paper's circle and write a report       make test   run every test
+#             make demo DEMO=--plain is undisturbed, DEMO=--fast as fast as the machine computes
 # make lint   ruff and mypy                                    make bench  the measurements the README and docs/ name
 
 PYTHON ?= python3
 BIN := .venv/bin
 
 demo: .venv/installed-report
-	$(BIN)/companion demo
+	$(BIN)/companion demo $(DEMO)
 
 test: .venv/installed-test
 	$(BIN)/python -m pytest
@@ -29,7 +30,8 @@ gallery: .venv/installed-report
 schema: .venv/installed-test
 	for kind in mission vehicle world; do $(BIN)/companion schema $$kind > schema/$$kind.schema.json || exit 1; done
 
+# flights/ is never removed: it holds what was flown, and only its owner knows what of it may go
 clean:
-	rm -rf .venv flights
+	rm -rf .venv
 
 .PHONY: demo test lint bench gallery schema clean

@@ -16,7 +16,7 @@ import numpy as np
 
 from companion.cli.check import looked_at
 from companion.cli.finish import Ending
-from companion.cli.orders import Sortie, read_sortie
+from companion.cli.orders import Sortie, read_sortie, read_world
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, at_home, in_lockstep
 from companion.config.syntax.file_lookup import SHIPPED
@@ -59,7 +59,7 @@ def flown(sortie: Sortie, folder: Path) -> dict[str, np.ndarray]:
     mission = sortie.mission
     slowest = np.array([abs(mission.alpha(float(s))) for s in np.linspace(0.0, mission.table.length, 300)])
     once = float(mission.table.length * np.mean(1.0 / slowest)) + 3.0
-    simulation = Simulation(sortie, World(), "ideal", 0, False, min(once, LONGEST), folder, Ending(True, 2.0))
+    simulation = Simulation(sortie, read_world("ideal", 0), False, min(once, LONGEST), folder, Ending(True, 2.0))
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         code = in_lockstep(simulation)
     if code != 0:

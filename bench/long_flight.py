@@ -22,10 +22,9 @@ import numpy as np
 
 from companion.cli import simulate
 from companion.cli.finish import Ending
-from companion.cli.orders import read_sortie
+from companion.cli.orders import read_sortie, read_world
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, over_udp
-from companion.config.world.world import load_world
 from companion.daemon.address import UdpPort
 from companion.daemon.priority import STATE_ID
 from companion.daemon.realtime import PRIORITY, at_priority
@@ -101,9 +100,7 @@ def main() -> None:
         directory = Path(sys.argv[2]) if len(sys.argv) > 2 else Path(name) / "flight"
         simulation = Simulation(
             sortie=read_sortie("circle_r5", "x500", Output.MOTORS, direct=True),
-            world=load_world("ideal"),
-            world_name="ideal",
-            seed=0,
+            simulated=read_world("ideal", 0),
             from_ground=False,
             duration=60.0 * minutes,
             directory=directory,

@@ -79,25 +79,22 @@ def sim(
     """Fly a mission in simulation."""
     from companion.cli.check import looked_at
     from companion.cli.finish import Ending, say
-    from companion.cli.orders import Faults, read_sortie
+    from companion.cli.orders import Faults, read_sortie, read_world
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
-    from companion.config.world.world import load_world
     from companion.feasibility.words import headline
     from companion.record.folder import new_directory
 
     faults = Faults()
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True))
-    surroundings = faults.collect(lambda: load_world(world))
+    simulated = faults.collect(lambda: read_world(world, seed))
     faults.raise_any()
-    assert sortie is not None and surroundings is not None
+    assert sortie is not None and simulated is not None
     sortie, found = looked_at(sortie)
     if not found.feasible:
         say(f"warning: {headline(found)}")
     simulation = Simulation(
         sortie=sortie,
-        world=surroundings,
-        world_name=world,
-        seed=seed,
+        simulated=simulated,
         from_ground=from_ground,
         duration=duration,
         directory=record or new_directory(sortie.mission.name),
@@ -211,30 +208,17 @@ def status(json: Json = False) -> None:
 
 @app.command()
 def demo(
-    fast: Annotated[bool, typer.Option("--fast", help="In lockstep instead of real time.")] = False,
+    fast: Annotated[bool, typer.Option("--fast", help="In lockstep: as fast as the machine computes.")] = False,
+    plain: Annotated[bool, typer.Option("--plain", help="The undisturbed circle, begun on the path.")] = False,
     output: OutputName = Output.MOTORS,
     record: Record = None,
     json: Json = False,
 ) -> None:
-    """Fly the paper's circle (r 10 m, 3 m/s) on an x500, plant and daemon as two processes, and write the report."""
-    from companion.cli.finish import Ending
-    from companion.cli.orders import read_sortie
-    from companion.cli.simulate import Simulation, in_lockstep, over_udp
-    from companion.config.world.world import load_world
-    from companion.record.folder import new_directory
+    """Fly the paper's circle (r 10 m, 3 m/s) on an x500: begun off the path, held still once and let go; and write the
+    report. Plant and daemon are two processes on this computer."""
+    from companion.cli.demo import demo as show
 
-    sortie = read_sortie("circle_r10", "x500", output, direct=True)
-    simulation = Simulation(
-        sortie=sortie,
-        world=load_world("ideal"),
-        world_name="ideal",
-        seed=0,
-        from_ground=False,
-        duration=30.0,
-        directory=record or new_directory("demo"),
-        ending=Ending(json, 10.0, report=True),
-    )
-    raise typer.Exit((in_lockstep if fast else over_udp)(simulation))
+    raise typer.Exit(show(fast=fast, plain=plain, output=output, record=record, as_json=json))
 
 
 @app.command()

@@ -47,7 +47,7 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bo
     table = load_table(directory / "flight.npy")
     truth = load_table(directory / "truth.npy") if (directory / "truth.npy").is_file() else None
     outcome = "completed" if done else "aborted"
-    figures = summary(plan, table, truth, ending.settle, outcome, reason, str(directory))
+    figures = summary(plan, table, truth, ending.settle, outcome, reason, str(directory), recorder.simulation)
     figures["notes"] += _of_the_link(conductor)
     write_json(directory / "summary.json", figures)
     if ending.report:
@@ -86,11 +86,13 @@ def _text(figures: dict[str, Any]) -> str:
     """The summary for a person."""
     reason = f": {figures['reason']}" if figures["reason"] else ""
     lines = [f"{figures['outcome']}{reason}", ""]
+    where = _where(figures)
     flown = figures["follow"]
     lines.append(
         f"  {figures['mission']} on {figures['vehicle']} at {figures['output']}: followed for "
         f"{flown['duration_s']:.1f} s, {flown['distance_m']:.1f} m, {flown['laps']:.2f} laps"
     )
+    lines.append(f"  {where}")
     columns = [("follow", figures["follow"]), ("settled", figures["settled"])]
     if "truth" in figures:
         columns.append(("settled, true", figures["truth"]["settled"]))
@@ -118,10 +120,20 @@ def _text(figures: dict[str, Any]) -> str:
             f"  loop: {loop['ticks']} setpoints at {loop['rate_hz']:.0f} Hz, longest gap {loop['gap_max_ms']:.1f} ms"
             + (f", state to setpoint {latency['p50']:.0f} us (p99 {latency['p99']:.0f})" if latency else "")
         )
+    happened = [event["words"] for event in figures["events"]]
+    lines += ["", *(f"  {words}" for words in happened)] if happened else []
     lines += [f"  note: {note}" for note in figures["notes"]]
     if figures["record"]:
         lines += ["", f"  flight folder: {figures['record']}"]
     return "\n".join(lines)
+
+
+def _where(figures: dict[str, Any]) -> str:
+    """World, air, seed and version."""
+    simulation, version = figures["simulation"], f"companion {figures['version']}"
+    if simulation is None:
+        return version
+    return f"world {simulation['world']}: {simulation['air']}; seed {simulation['seed']}; {version}"
 
 
 def _cell(size: dict[str, float | None], factor: float, digits: int) -> str:

@@ -14,10 +14,12 @@ from companion.config.syntax.document import parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import load_vehicle, vehicle_from
+from companion.config.world.world import world_from
 from companion.daemon.port import AddressError
 from companion.law.gains import Level
 from companion.mission import Mission
 from companion.plan import law_level
+from companion.record.circumstances import Simulated
 from companion.record.folder import Source
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle
 
@@ -102,6 +104,12 @@ def read_bare(mission_name: str, vehicle_name: str | None, level: Level) -> tupl
     faults.raise_any()
     assert mission is not None and vehicle is not None
     return mission, vehicle
+
+
+def read_world(name: str, seed: int) -> Simulated:
+    """The world of a command line, with its file as it is. ConfigError with every fault."""
+    source = _source(name, "worlds")
+    return Simulated(world_from(parse(source.text, source.name)), source.name, source.text, seed)
 
 
 def output_level(output: Output, vehicle: Vehicle) -> OutputLevel:

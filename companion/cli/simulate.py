@@ -6,6 +6,7 @@ import dataclasses
 import json
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from pathlib import Path
 from companion.cli.finish import NO_VEHICLE, Ending, finish, say
 from companion.cli.lockstep import fly
 from companion.cli.orders import Sortie
+from companion.cli.story import Story
 from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
@@ -23,6 +25,7 @@ from companion.frames import quaternion_from_euler
 from companion.geodesy import LocalFrame
 from companion.mission import GlobalOrigin, Mission, Origin
 from companion.places.standing import Whereabouts, placed
+from companion.record.circumstances import Simulated
 from companion.record.folder import Recorder
 from companion.vehicle import OutputLevel
 from companion.world import Home, Start, World
@@ -36,16 +39,16 @@ SIMULATED_PROGRESS = 5.0
 OVERHEAD = 300.0
 """s of simulated time a flight may take beyond following."""
 WAIT_FOR_PLANT = 10.0
+STORY_PERIOD = 0.1
+"""s between two looks at a flight in real time for what there is to tell (engineering choice)."""
 
 
 @dataclass(frozen=True)
 class Simulation:
-    """One simulated flight. ``world_name``: as given on the command line, for the plant's own process."""
+    """One simulated flight in a world."""
 
     sortie: Sortie
-    world: World
-    world_name: str
-    seed: int
+    simulated: Simulated
     from_ground: bool
     duration: float | None
     directory: Path
@@ -78,11 +81,11 @@ def in_lockstep(simulation: Simulation) -> int:
     """Fly in one process under a simulated clock; the exit code."""
     sortie = simulation.sortie
     direct = sortie.level is OutputLevel.MOTORS
-    mission, world = at_home(sortie.mission, simulation.world)
+    mission, world = at_home(sortie.mission, simulation.simulated.world)
     bridge = Bridge(
         sortie.vehicle,
         world,
-        seed=simulation.seed,
+        seed=simulation.simulated.seed,
         direct=direct,
         start=None if simulation.from_ground else start_of(mission),
         landed=simulation.from_ground,
@@ -90,7 +93,7 @@ def in_lockstep(simulation: Simulation) -> int:
     )
     recorder = _recorder(simulation, epoch=0.0)
     conductor = Conductor(_orders(simulation), recorder, bridge.now)
-    shown = Watch(SIMULATED_PROGRESS)
+    shown, story = Watch(SIMULATED_PROGRESS), _story(simulation)
     with TruthFile(simulation.directory / "truth.npy") as truth_file:
 
         def watch(conductor: Conductor, truth: Truth) -> None:
@@ -99,6 +102,8 @@ def in_lockstep(simulation: Simulation) -> int:
                 for note in conductor.notes:
                     say(f"{bridge.now:8.2f} s  {note}")
                 conductor.notes.clear()
+            for sentence in story.look(conductor):
+                say(f"{bridge.now:8.2f} s{sentence}")
             line = shown.look(conductor, bridge.now)
             if line is not None:
                 say(f"{bridge.now:8.2f} s  {line}")
@@ -114,12 +119,12 @@ def over_udp(simulation: Simulation) -> int:
     port = UdpPort("127.0.0.1", 0, listen=True)
     recorder = _recorder(simulation, epoch=time.time() - clock())
     vehicle_file = simulation.directory / "vehicle.yaml"
-    mission, world = at_home(sortie.mission, simulation.world)
+    mission, world = at_home(sortie.mission, simulation.simulated.world)
     home = f"{world.home.latitude!r},{world.home.longitude!r},{world.home.altitude!r}"
     command = [
-        *(sys.executable, "-m", "sim_bridge", "--vehicle", str(vehicle_file), "--world", simulation.world_name),
+        *(sys.executable, "-m", "sim_bridge", "--vehicle", str(vehicle_file), "--world", simulation.simulated.file),
         *("--connect", f"udpout://127.0.0.1:{port.local[1]}", "--ground-station", "none"),
-        *("--home", home, "--seed", str(simulation.seed), "--truth", str(simulation.directory / "truth.npy")),
+        *("--home", home, "--seed", str(simulation.simulated.seed), "--truth", str(simulation.directory / "truth.npy")),
     ]
     if sortie.level is OutputLevel.MOTORS:
         command += ["--motors", "direct"]
@@ -134,8 +139,10 @@ def over_udp(simulation: Simulation) -> int:
         }
         command += ["--start", json.dumps(told)]
     conductor = Conductor(_orders(simulation), recorder, clock())
+    teller = _Teller(_story(simulation), conductor)
     # a session of its own: Ctrl-C must not take the vehicle away before it has been handed back
     plant = subprocess.Popen(command, start_new_session=True)
+    teller.start()
     try:
         stopped = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
     except NoVehicleError as error:
@@ -143,6 +150,7 @@ def over_udp(simulation: Simulation) -> int:
         say(str(error))
         return NO_VEHICLE
     finally:
+        teller.finish()
         plant.terminate()
         try:
             plant.wait(5.0)
@@ -151,6 +159,33 @@ def over_udp(simulation: Simulation) -> int:
             plant.wait()
         port.close()
     return finish(conductor, recorder, simulation.ending, stopped)
+
+
+class _Teller(threading.Thread):
+    """Tells the story of a flight in real time, beside the control thread, which it only reads."""
+
+    def __init__(self, story: Story, conductor: Conductor) -> None:
+        super().__init__(name="teller", daemon=True)
+        self._story, self._conductor = story, conductor
+        self._finished = threading.Event()
+
+    def run(self) -> None:
+        while self._story.has_more and not self._finished.wait(STORY_PERIOD):
+            for sentence in self._story.look(self._conductor):
+                say(sentence)
+
+    def finish(self) -> None:
+        """The flight is over."""
+        self._finished.set()
+        self.join()
+
+
+def _story(simulation: Simulation) -> Story:
+    """The teller of the flight, the world already told."""
+    simulated = simulation.simulated
+    story = Story(simulated.world)
+    say(story.opening(simulated.world.name, simulated.seed))
+    return story
 
 
 def _orders(simulation: Simulation) -> Orders:
@@ -173,4 +208,4 @@ def _orders(simulation: Simulation) -> Orders:
 
 def _recorder(simulation: Simulation, epoch: float) -> Recorder:
     sortie = simulation.sortie
-    return Recorder(simulation.directory, sortie.mission_source, sortie.vehicle_source, epoch)
+    return Recorder(simulation.directory, sortie.mission_source, sortie.vehicle_source, epoch, simulation.simulated)

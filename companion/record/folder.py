@@ -4,6 +4,7 @@ link.tlog       every frame in both directions
 flight.npy      one row a tick (see ``rows.COLUMNS``)
 truth.npy       simulated flights: the plant's true state
 mission.yaml    vehicle.yaml    the files that were flown, as they were; and the plan beside a mission that flies one
+world.yaml      simulated flights: the world file
 resolved.json   what they resolved to: output level, origin in the vehicle's frame, legends of the table
 summary.json    the figures
 report.html     the page
@@ -24,6 +25,7 @@ from companion.flight.situation import Reply
 from companion.pilot import Memory, Observation, Outcome
 from companion.plan import Plan
 from companion.record import rows
+from companion.record.circumstances import Simulated, simulation_document, software_version
 from companion.record.table import TableWriter
 from companion.record.tlog import TlogWriter
 from companion.vehicle import Landed, Mode
@@ -47,6 +49,7 @@ class Recorder:
     mission: Source
     vehicle: Source
     epoch: float
+    simulated: Simulated | None = None
     _tlog: TlogWriter = field(init=False)
     _table: TableWriter | None = field(init=False, default=None)
     _made: list[Path] = field(init=False, default_factory=list)
@@ -54,14 +57,21 @@ class Recorder:
     def __post_init__(self) -> None:
         self._made = [path for path in (self.directory, *self.directory.parents) if not path.exists()]
         self.directory.mkdir(parents=True, exist_ok=True)
-        for stale in ("flight.npy", "truth.npy", "summary.json", "report.html", "resolved.json"):
+        for stale in ("flight.npy", "truth.npy", "summary.json", "report.html", "resolved.json", "world.yaml"):
             (self.directory / stale).unlink(missing_ok=True)
         (self.directory / "mission.yaml").write_text(self.mission.text, encoding="utf-8")
         (self.directory / "vehicle.yaml").write_text(self.vehicle.text, encoding="utf-8")
+        if self.simulated is not None:
+            (self.directory / "world.yaml").write_text(self.simulated.text, encoding="utf-8")
         if self.mission.attached is not None:
             name, text = self.mission.attached
             (self.directory / name).write_text(text, encoding="utf-8")
         self._tlog = TlogWriter(self.directory / "link.tlog", self.epoch)
+
+    @property
+    def simulation(self) -> dict[str, Any] | None:
+        """The simulated world as resolved.json tells it; None where a vehicle flew."""
+        return None if self.simulated is None else simulation_document(self.simulated)
 
     def frame(self, now: float, raw: bytes) -> None:
         """One frame, either direction."""
@@ -71,6 +81,8 @@ class Recorder:
         """The plan is ready and the pilot begins."""
         resolved = {
             "schema": "companion.resolved/1",
+            "version": software_version(),
+            "simulation": self.simulation,
             "mission": {"name": plan.mission.name, "file": self.mission.name},
             "vehicle": {"name": plan.vehicle.name, "file": self.vehicle.name},
             "output": plan.level.value,
@@ -117,7 +129,7 @@ class Recorder:
         """Nothing happened: leave no folder behind that holds nothing."""
         self.close()
         attached = [] if self.mission.attached is None else [self.mission.attached[0]]
-        for name in ("link.tlog", "mission.yaml", "vehicle.yaml", *attached):
+        for name in ("link.tlog", "mission.yaml", "vehicle.yaml", "world.yaml", *attached):
             (self.directory / name).unlink(missing_ok=True)
         for path in self._made:
             if not any(path.iterdir()):

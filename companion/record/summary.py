@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from companion.flight.phases import Phase
 from companion.frames import Vec3, rotation_matrix, tilt, wrap
 from companion.plan import Plan
+from companion.record.circumstances import software_version
+from companion.record.events import happenings
 from companion.record.found import found, found_words
 from companion.record.table import Table
 from companion.vehicle import OutputLevel
@@ -25,9 +27,16 @@ TRUTH_RATE = 100.0
 
 
 def summary(
-    plan: Plan, table: Table, truth: Table | None, settle: float, outcome: str, reason: str | None, record: str | None
+    plan: Plan,
+    table: Table,
+    truth: Table | None,
+    settle: float,
+    outcome: str,
+    reason: str | None,
+    record: str | None,
+    simulation: Figures | None = None,
 ) -> Figures:
-    """The JSON of contract ``companion.flight/1``."""
+    """The JSON of contract ``companion.flight/1``. ``simulation``: the world, as resolved.json tells it."""
     told = _told(table)
     result: Figures = {
         "schema": "companion.flight/1",
@@ -45,6 +54,9 @@ def summary(
         result["truth"] = {"follow": _figures(true, plan), "settled": _settled(true, plan, settle)}
     result["loop"] = _loop(table)
     result["found"] = found(told)
+    result["version"] = software_version()
+    result["simulation"] = simulation
+    result["events"] = [each.document for each in happenings(told, table, simulation)]
     result["notes"] = _notes(told, plan) + found_words(result["found"], plan.vehicle)
     result["record"] = record
     return result

@@ -10,7 +10,7 @@ import pytest
 from companion.cli.check import looked_at
 from companion.cli.finish import COMPLETED, Ending
 from companion.cli.new import new
-from companion.cli.orders import read_sortie
+from companion.cli.orders import read_sortie, read_world
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, at_home, in_lockstep
 from companion.config.examples import PATHS
@@ -28,7 +28,7 @@ def test_a_plan_flies_and_is_replayed(tmp_path: Path, output: Output, from_groun
     sortie, found = looked_at(read_sortie(str(file), None, output, direct=True))
     assert found.feasible
     folder = tmp_path / "flight"
-    simulation = Simulation(sortie, World(), "ideal", 0, from_ground, 6.0, folder, Ending(True, 2.0))
+    simulation = Simulation(sortie, read_world("ideal", 0), from_ground, 6.0, folder, Ending(True, 2.0))
     assert in_lockstep(simulation) == COMPLETED
     figures = json.loads((folder / "summary.json").read_text())
     assert figures["truth"]["settled"]["path_error_m"]["max"] < 0.05
@@ -44,7 +44,7 @@ def test_an_example_of_every_kind_flies(kind: str, tmp_path: Path) -> None:
     new(kind, tmp_path / "mine.yaml", force=False)
     sortie = looked_at(read_sortie(str(tmp_path / "mine.yaml"), None, Output.MOTORS, direct=True))[0]
     folder = tmp_path / "flight"
-    assert in_lockstep(Simulation(sortie, World(), "ideal", 0, False, 2.0, folder, Ending(True, 0.5))) == COMPLETED
+    assert in_lockstep(Simulation(sortie, read_world("ideal", 0), False, 2.0, folder, Ending(True, 0.5))) == COMPLETED
     figures = json.loads((folder / "summary.json").read_text())
     assert figures["truth"]["settled"]["path_error_m"]["max"] < 0.02
 

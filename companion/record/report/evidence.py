@@ -97,17 +97,20 @@ def gathered(directory: Path) -> Evidence:
     """The evidence in a flight folder. ConfigError: it is not one."""
     flight = load_flight(directory)
     figures = _summary(directory)
+    resolved = json.loads((directory / "resolved.json").read_text(encoding="utf-8"))
     remade = figures is None
     if figures is None:
         outcome, reason = _ending(flight)
-        figures = summary(flight.plan, flight.table, flight.truth, SETTLE, outcome, reason, str(directory))
+        figures = summary(
+            flight.plan, flight.table, flight.truth, SETTLE, outcome, reason, str(directory), resolved.get("simulation")
+        )
     return Evidence(
         directory=directory,
         plan=flight.plan,
         table=flight.table,
         truth=flight.truth,
         figures=figures,
-        resolved=json.loads((directory / "resolved.json").read_text(encoding="utf-8")),
+        resolved=resolved,
         remade=remade,
         sources={name: (directory / name).read_text(encoding="utf-8") for name in ("mission.yaml", "vehicle.yaml")},
     )
