@@ -18,6 +18,7 @@ from companion.config.syntax.document import parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.vehicle import load_vehicle
 from companion.config.world.world import home_from, load_world, start_from
+from companion.plain_text import printable, printable_lines
 from companion.vehicle import CompanionError, Vehicle
 from companion.world import Start, World
 from sim_bridge.bridge import Bridge
@@ -33,7 +34,7 @@ class Motors(enum.Enum):
 
 def say(line: str) -> None:
     """A line for the person at the terminal."""
-    print(f"sim-bridge: {line}", file=sys.stderr, flush=True)
+    print(printable(f"sim-bridge: {line}"), file=sys.stderr, flush=True)
 
 
 def fly(
@@ -70,7 +71,7 @@ def fly(
             inputs = _inputs(vehicle, world, connect, ground_station, start, home)
             bridge, server = _prepared(stack, inputs, seed, speed, motors, landed, truth)
         except (CompanionError, ValueError, OSError) as error:
-            print(error, file=sys.stderr)
+            print(printable_lines(str(error)), file=sys.stderr)
             raise typer.Exit(2) from None
         number = _run_until_a_signal(server)
     for name, counters in zip(("companion", "ground station"), bridge.counters, strict=False):

@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 MAY_IMPORT: dict[str, str] = {
     "frames": "",
+    "plain_text": "",
     "geodesy": "frames",
     "calculus": "",
     "plans": "frames fence geodesy",
@@ -31,14 +32,14 @@ MAY_IMPORT: dict[str, str] = {
     "flight": "vehicle fence",
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "pilot": "frames vehicle law paths mission steering flight plan",
-    "mavlink": "frames vehicle",
-    "config": "frames fence geodesy plans calculus vehicle world paths profiles law mission",
+    "mavlink": "frames vehicle plain_text",
+    "config": "plain_text frames fence geodesy plans calculus vehicle world paths profiles law mission",
     "record": "frames vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
-    "daemon": "frames geodesy vehicle paths estimation flight mission places plan pilot mavlink record",
+    "daemon": "plain_text frames geodesy vehicle paths estimation flight mission places plan pilot mavlink record",
     "services": "frames fence geodesy vehicle flight places plans",
     "cli": "*",
 }
-SIM_BRIDGE = {"frames", "geodesy", "vehicle", "world", "mavlink"}
+SIM_BRIDGE = {"plain_text", "frames", "geodesy", "vehicle", "world", "mavlink"}
 SIM_BRIDGE_SHELL = {"sim_bridge/__main__.py", "sim_bridge/server.py"}
 IMPURE = {"socket", "select", "time", "signal", "threading", "random", "subprocess", "os", "termios", "gc"}
 MAY_BE_IMPURE = {"daemon", "config", "record", "services", "cli"}

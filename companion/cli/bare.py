@@ -19,6 +19,7 @@ from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
 from companion.paths.tracing import PathError
+from companion.plain_text import printable
 from companion.vehicle import Vehicle
 
 
@@ -53,7 +54,7 @@ class _Curve:
             try:
                 self._table = path.table
             except PathError as error:
-                print(f"eta is null: the path {error}", file=sys.stderr)
+                print(printable(f"eta is null: the path {error}"), file=sys.stderr)
         return None if self._table is None else self._table.locate(p_n)[0]
 
 

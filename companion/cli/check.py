@@ -16,6 +16,7 @@ from companion.feasibility.report import Report
 from companion.feasibility.words import headline, in_words
 from companion.mission import Origin
 from companion.places.words import place_words
+from companion.plain_text import printable_lines
 
 FEASIBLE, NOT_FEASIBLE = 0, 1
 PICTURES = (".png", ".svg", ".pdf")
@@ -33,7 +34,7 @@ def check(mission: str, vehicle: str | None, *, as_json: bool, plot: Path | None
         for warning in places.warnings:
             say(f"warning: {warning}")
     else:
-        print(in_words(found, places.lines, places.warnings))
+        print(printable_lines(in_words(found, places.lines, places.warnings)))
     if plot is not None:
         from companion.feasibility.picture import picture
 

@@ -10,6 +10,7 @@ import typer
 
 from companion.cli import file_commands
 from companion.cli.output import Ends, LawOutput, Output, WhoStarts
+from companion.plain_text import printable, printable_lines
 from companion.vehicle import CompanionError
 
 app = typer.Typer(
@@ -242,7 +243,7 @@ def report(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flig
     """Write the figures and tables of a recorded flight again."""
     from companion.record.report import write_report
 
-    print(write_report(directory))
+    print(printable(str(write_report(directory))))
 
 
 @app.command()
@@ -266,7 +267,7 @@ def main() -> None:
     try:
         app()
     except CompanionError as error:
-        print(error, file=sys.stderr)
+        print(printable_lines(str(error)), file=sys.stderr)
         sys.exit(2)
     except BrokenPipeError:
         sys.exit(1)

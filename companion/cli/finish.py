@@ -9,6 +9,7 @@ from typing import Any
 
 from companion import pilot
 from companion.daemon.conductor import Conductor
+from companion.plain_text import printable_lines
 from companion.record.folder import Recorder, write_json
 from companion.record.summary import summary
 from companion.record.table import load_table
@@ -29,7 +30,7 @@ class Ending:
 
 def say(text: str) -> None:
     """A line for a person: always on stderr, so that stdout is the result's."""
-    print(text, file=sys.stderr, flush=True)
+    print(printable_lines(text), file=sys.stderr, flush=True)
 
 
 def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bool) -> int:
@@ -57,7 +58,7 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bo
     if ending.json:
         print(json.dumps(figures, indent=2))
     else:
-        print(_text(figures))
+        print(printable_lines(_text(figures)))
     return COMPLETED if done else INTERRUPTED if stopped else FAILED
 
 
@@ -78,7 +79,7 @@ def refuse(reason: str, as_json: bool) -> int:
     if as_json:
         print(json.dumps({"schema": "companion.flight/1", "outcome": "aborted", "reason": reason}, indent=2))
     else:
-        print(f"not flown: {reason}")
+        print(printable_lines(f"not flown: {reason}"))
     return FAILED
 
 

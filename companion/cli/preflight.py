@@ -12,6 +12,7 @@ from companion.flight.preflight import RATE_WANTED
 from companion.mission import Origin
 from companion.places.standing import PlaceError, placed
 from companion.places.words import place_words
+from companion.plain_text import printable
 from companion.services.audit import Finding, Weight, audited
 from companion.services.plan_check import differences
 from companion.services.vehicle import ServiceError, Vehicle, connected
@@ -78,4 +79,4 @@ def _print(findings: list[Finding], rate: float, words: list[str]) -> None:
     enough = "" if rate >= RATE_WANTED else f", {RATE_WANTED:g} are needed: raise the link's speed"
     print(f"{marks[Weight.FINE if not enough else Weight.DANGER]} {rate:.0f} states a second arrive{enough}")
     for line in words:
-        print(f"   {line}")
+        print(printable(f"   {line}"))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
 
 from companion.cli.finish import COMPLETED, FAILED
 from companion.daemon.status_file import SILENT_AFTER, Standing, standings
+from companion.plain_text import printable
 
 LABEL = 9
+NOTES_MAX, TEXT_MAX = 20, 300
+"""Lines, and characters of a line, that are shown of one companion."""
 
 
 def status(as_json: bool) -> int:
@@ -23,8 +25,8 @@ def status(as_json: bool) -> int:
 
 
 def in_words(standing: Standing) -> str:
-    """One companion, for a person."""
-    told = standing.told
+    """One companion, for a person. What it said may come from another user, and is shown as data."""
+    told = {key: _plain(value) for key, value in standing.told.items() if key != "notes"}
     who = (
         f"{told.get('mission', '?')} on {told.get('vehicle', '?')} at {told.get('output', '?')}, process {told['pid']}"
     )
@@ -37,11 +39,17 @@ def in_words(standing: Standing) -> str:
     lines = [head]
     for label in ("link", "mode", "battery", "progress", "record"):
         value = told.get(label)
-        if value not in (None, ""):
+        if value:
             lines.append(f"  {label:{LABEL}} {value}")
-    notes: Sequence[str] = told.get("notes", ())
+    said = standing.told.get("notes")
+    notes = [_plain(note) for note in said[:NOTES_MAX]] if isinstance(said, list) else []
     lines += [f"  {'said' if i == 0 else '':{LABEL}} {note}" for i, note in enumerate(notes)]
     return "\n".join(lines)
+
+
+def _plain(value: object) -> str:
+    """A value of the status file as text that fits a line."""
+    return "" if value is None else printable(str(value))[:TEXT_MAX]
 
 
 def _ago(age: float) -> str:

@@ -1,7 +1,8 @@
 """Where each running companion stands, for other terminals: one small file a process, written anew every second.
 
 It lies in the service's runtime directory (/run/companion), else in the user's, else beside other temporary files. The
-file of a process that is no more is a flight that ended without a word.
+file of a process that is no more is a flight that ended without a word. Other users can write beside it: see
+``record.owned_files``; what another user's companion says is data, and shown as such.
 """
 
 from __future__ import annotations
@@ -15,11 +16,18 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from companion.record.folder import written_whole
+from companion.record.owned_files import READABLE, owner_of, read_owned, write_owned
 
 SCHEMA = "companion.status/1"
 SILENT_AFTER = 5.0
 """s without a new word after which a running companion hangs."""
+
+PID_MAX = 1 << 22
+"""Linux's largest process number (proc(5), pid_max)."""
+TIME_MAX = 1e11
+"""s since 1970: what is later was not written by a clock."""
+FILES_MAX = 100
+"""Files of one directory that are looked at."""
 
 SHARED = ("run/companion", "run/user/*/companion", f"{tempfile.gettempdir()}/companion-*".lstrip("/"))
 """Where companions of other users leave theirs, seen from the root."""
@@ -42,7 +50,7 @@ class Notice:
 
     def write(self, said: Mapping[str, Any]) -> None:
         """Say where the flight stands."""
-        written_whole(self._file, json.dumps({**self._about, **said, "written_at": time.time()}))
+        write_owned(self._file, json.dumps({**self._about, **said, "written_at": time.time()}), READABLE)
 
     def remove(self) -> None:
         """The flight is over."""
@@ -53,33 +61,45 @@ class Notice:
 def standings(environment: Mapping[str, str] = os.environ) -> list[Standing]:
     """Every companion on this computer, the last one heard first; those that are no more are told once."""
     found = []
-    for file in _files(environment):
-        try:
-            told = json.loads(file.read_text(encoding="utf-8"))
-            pid, written_at = int(told["pid"]), float(told["written_at"])
-        except (OSError, ValueError, KeyError, TypeError):
+    for file, owner in _files(environment):
+        told = _told(read_owned(file, owner))
+        if told is None:
             continue
-        running = _is_running(pid)
-        if not running:
+        running = _is_running(told["pid"])
+        if not running and owner == os.geteuid():
             with contextlib.suppress(OSError):
                 file.unlink()
-        found.append(Standing(told, max(0.0, time.time() - written_at), running))
+        found.append(Standing(told, max(0.0, time.time() - told["written_at"]), running))
     return sorted(found, key=lambda standing: standing.age)
 
 
 def _own_directory(environment: Mapping[str, str]) -> Path:
     given = environment.get("RUNTIME_DIRECTORY", "").split(":")[0]
     if given:
-        return Path(given)
+        return Path(given).resolve()  # a service manager may give a link
     users = environment.get("XDG_RUNTIME_DIR")
     return Path(users) / "companion" if users else Path(tempfile.gettempdir()) / f"companion-{os.getuid()}"
 
 
-def _files(environment: Mapping[str, str]) -> Iterator[Path]:
+def _told(text: str | None) -> dict[str, Any] | None:
+    """What a file says, if a companion wrote it."""
+    try:
+        told = json.loads(text or "")
+        pid, written_at = told["pid"], told["written_at"]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+    numbers = isinstance(pid, int) and isinstance(written_at, int | float)
+    return told if numbers and 0 < pid <= PID_MAX and 0.0 <= written_at < TIME_MAX else None
+
+
+def _files(environment: Mapping[str, str]) -> Iterator[tuple[Path, int]]:
+    """Each file, and the user's number it must belong to: its directory's owner."""
     shared = (directory for pattern in SHARED for directory in Path("/").glob(pattern))
     for directory in sorted({_own_directory(environment), *shared}):
-        with contextlib.suppress(OSError):
-            yield from sorted(directory.glob("*.json"))
+        owner = owner_of(directory)
+        if owner is not None:
+            with contextlib.suppress(OSError):
+                yield from ((file, owner) for file in sorted(directory.glob("*.json"))[:FILES_MAX])
 
 
 def _is_running(pid: int) -> bool:

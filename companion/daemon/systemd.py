@@ -11,6 +11,8 @@ import os
 import socket
 from collections.abc import Mapping
 
+from companion.plain_text import printable
+
 
 class Service:
     """Our service manager. Without one (``NOTIFY_SOCKET`` is not set) every door does nothing."""
@@ -28,11 +30,11 @@ class Service:
 
     def ready(self, status: str) -> None:
         """The link is open."""
-        self._say(f"READY=1\nSTATUS={status}")
+        self._say(f"READY=1\nSTATUS={printable(status)}")
 
     def status(self, text: str) -> None:
         """What is being done, for ``systemctl status``."""
-        self._say(f"STATUS={text}")
+        self._say(f"STATUS={printable(text)}")
 
     def alive(self, now: float) -> None:
         """A turn of the control loop is done; said no more often than it is asked for."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from companion.mavlink.codec import Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.requests import COMMAND_LONG, Command, Requests, request
+from companion.plain_text import printable
 
 HEARTBEAT = message("HEARTBEAT")
 COMMAND_ACK = message("COMMAND_ACK")
@@ -116,7 +117,7 @@ class Link:
             self._identify(frame)
         elif frame.format is STATUSTEXT:
             severity, text = frame.values[:2]
-            self.texts.append((severity, text.split(b"\0")[0].decode("utf-8", "replace").rstrip("\t")))
+            self.texts.append((severity, printable(text.split(b"\0")[0].decode("utf-8", "replace").rstrip("\t"))))
         return None
 
     def on_timer(self, now: float) -> None:

@@ -141,18 +141,6 @@ def write_json(path: Path, value: Any) -> None:
     path.write_text(json.dumps(value, indent=2) + "\n", encoding="utf-8")
 
 
-def written_whole(path: Path, text: str) -> bool:
-    """Write a file that others read: never seen half written. Whether that was possible."""
-    part = path.with_suffix(".part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    except OSError:
-        return False
-    return True
-
-
 def new_directory(mission: str) -> Path:
     """A name for a new flight folder: flights/DATE-TIME-MISSION, not taken yet."""
     slug = re.sub(r"[^a-z0-9]+", "-", mission.lower()).strip("-") or "flight"

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from companion.estimation.learned import Learned, sane
-from companion.record.folder import written_whole
+from companion.record.owned_files import read_owned, write_owned
 
 SCHEMA = "companion.learned/1"
 DAY = 86400.0
@@ -27,7 +27,7 @@ def state_file(vehicle: str) -> Path:
 def recalled(file: Path) -> Learned | None:
     """What was learned, with its age by the clock on the wall; None where there is nothing that makes sense."""
     try:
-        told = json.loads(file.read_text(encoding="utf-8"))
+        told = json.loads(read_owned(file) or "")
         age = max(0.0, (time.time() - float(told["flown_at"])) / DAY)
         learned = Learned(float(told["hover_thrust"]), float(told["drag_per_s"]), float(told["rate_loop_lag_s"]), age)
     except (OSError, ValueError, KeyError, TypeError):
@@ -44,4 +44,4 @@ def remembered(file: Path, learned: Learned) -> bool:
         "rate_loop_lag_s": round(learned.rate_lag, 4),
         "flown_at": round(time.time(), 1),
     }
-    return written_whole(file, json.dumps(told, indent=2) + "\n")
+    return write_owned(file, json.dumps(told, indent=2) + "\n")

@@ -80,6 +80,48 @@ def test_one_that_hangs_and_rubbish(own: Path) -> None:
     assert "has said nothing for 60 s; it hangs" in in_words(Standing(told.told, 60.0, True))
 
 
+NOW = time.time()
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        {"pid": 10**30, "written_at": NOW},
+        {"pid": 0, "written_at": NOW},
+        {"pid": -1, "written_at": NOW},
+        {"pid": "7", "written_at": NOW},
+        {"pid": 7, "written_at": float("nan")},
+        {"pid": 7, "written_at": 1e300},
+        [7],
+    ],
+)
+def test_a_file_that_no_companion_wrote_is_not_told(own: Path, told: object) -> None:
+    Notice(ABOUT).write({"phase": "follow"})
+    (own / "companion" / "7.json").write_text(json.dumps(told), encoding="utf-8")
+    assert len(standings()) == 1
+
+
+def test_a_link_or_a_pipe_among_them_is_left_alone(own: Path) -> None:
+    Notice(ABOUT).write({"phase": "follow"})
+    elsewhere = own / "elsewhere.json"
+    elsewhere.write_text(json.dumps({"pid": 2**22, "written_at": NOW}), encoding="utf-8")
+    (own / "companion" / "7.json").symlink_to(elsewhere)
+    os.mkfifo(own / "companion" / "8.json")
+    assert len(standings()) == 1
+    assert elsewhere.exists()
+
+
+def test_what_another_companion_says_is_data(own: Path) -> None:
+    about = {**ABOUT, "mission": "\x1b[2Jcircle", "record": ["\x07"]}
+    Notice(about).write({"phase": "follow\nland", "notes": ["a\rb", 7, None], "mode": {"\x1b": 1}})
+    (told,) = standings()
+    text = in_words(told)
+    assert all(line.isprintable() for line in text.splitlines())
+    assert "\\x1b[2Jcircle on x500" in text and "follow\\nland" in text
+    assert "x" * 400 not in in_words(Standing({**told.told, "notes": ["x" * 1000] * 1000}, 0.0, True))
+    assert in_words(Standing({**told.told, "notes": 7}, 0.0, True))
+
+
 def test_a_directory_that_cannot_be_written_to_stops_no_flight(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     notice = Notice(ABOUT, {"RUNTIME_DIRECTORY": str(tmp_path / "file")})

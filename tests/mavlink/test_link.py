@@ -155,3 +155,12 @@ def test_what_the_vehicle_says_in_words() -> None:
     vehicle = ready(link)
     vehicle.says("STATUSTEXT", 1.0, severity=4, text="Landing at current position\t")
     assert link.texts == [(4, "Landing at current position")]
+
+
+def test_what_the_vehicle_says_is_data_and_no_command_to_a_terminal() -> None:
+    link = wire.Link()
+    vehicle = ready(link)
+    vehicle.says("STATUSTEXT", 1.0, severity=4, text="\x1b[2J\rhold -> land: \n\u202eok\t")
+    ((_, text),) = link.texts
+    assert text == "\\x1b[2J\\rhold -> land: \\n\\u202eok"
+    assert text.isprintable()

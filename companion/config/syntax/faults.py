@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from companion.plain_text import printable
 from companion.vehicle import CompanionError
 
 Key = tuple[str | int, ...]
@@ -33,7 +34,7 @@ class Fault:
 
     def __str__(self) -> str:
         where = f"{self.file}:{self.line}" if self.line else self.file
-        return f"{where}: " + (f"{self.key}: " if self.key else "") + self.message
+        return printable(f"{where}: " + (f"{self.key}: " if self.key else "") + self.message)
 
 
 class ConfigError(CompanionError):
