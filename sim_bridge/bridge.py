@@ -217,7 +217,7 @@ class Bridge:
                 if self._texts_left > 0:
                     self._texts_left -= 1
                     self.autopilot.events.happened(
-                        text, self.autopilot.estimate.time_us, commander.intent, commander.mode
+                        text, self.autopilot.estimate.time_us, commander.user_intended_mode, commander.mode
                     )  # fmt: skip
                     for link in self.links:
                         link.say(text)

@@ -18,7 +18,7 @@ from sim_bridge.autopilot.commander.contacts import Contacts
 from sim_bridge.autopilot.commander.events import Events
 from sim_bridge.autopilot.commander.fence_watch import FenceWatch
 from sim_bridge.autopilot.commander.health_report import HealthReport
-from sim_bridge.autopilot.commander.home_position import Whereabouts
+from sim_bridge.autopilot.commander.home_position import HomePosition
 from sim_bridge.autopilot.commander.landing import LandingDetector
 from sim_bridge.autopilot.commander.tilt_watch import TiltWatch
 from sim_bridge.autopilot.flight_modes.guidance import Guidance, TakeOff, Throttle
@@ -71,7 +71,7 @@ class Autopilot:
         self.guidance = Guidance(self.parameters, self.mission)
         self.fence = FenceWatch(self.parameters, self.missions, self.projection, self.commander)
         self.mission_checked: tuple[object, ...] = ()
-        self.whereabouts = Whereabouts(self.guidance)
+        self.home_position = HomePosition(self.guidance)
         self.cascade = Cascade(vehicle, step)
         self.sticks = Sticks(self.parameters)
         self.stick_flight = StickFlight(self.parameters, self.cascade.hover, vehicle.gravity)
@@ -93,7 +93,7 @@ class Autopilot:
         self.estimate = estimate
         self.truth = truth
         self.commander.begin_in_flight()
-        self.whereabouts.begin_in_flight()
+        self.home_position.begin_in_flight()
         self._landing = LandingDetector(landed=False)
         self.guidance.enter(Mode.HOLD, estimate)
         self._stands = False
@@ -154,7 +154,7 @@ class Autopilot:
     def _fly_by_stick(self, now: Estimate) -> Four:
         """What the pilot's sticks say; let go where nobody holds them."""
         commander, cascade, sticks = self.commander, self.cascade, self.sticks.position
-        if commander.facts.sticks_lost:
+        if commander.failsafe_flags.manual_control_signal_lost:
             sticks = CENTRED
         if commander.mode not in BY_PLACE_OR_HEIGHT:
             return self._fly(now, self.stick_flight.demand(now, sticks, commander.landed, self._step))
@@ -192,14 +192,14 @@ class Autopilot:
         commander.update(self.t)
         for said in self._health.update(self.t, failsafe_flags.known_to_the_health_report(self)):
             self.events.keep(*said, estimate.time_us)
-        self.whereabouts.update(estimate, commander.armed, commander.landed)
+        self.home_position.update(estimate, commander.armed, commander.landed)
 
     def place_of(self, latitude: float, longitude: float, altitude: float, frame: int) -> Vec3 | None:
         """A place on the globe (degrees, m of ``frame``) in the local frame; None: it cannot be known."""
-        if not self.whereabouts.position_known or not math.isfinite(altitude):
+        if not self.home_position.position_known or not math.isfinite(altitude):
             return None
         if frame == GLOBAL_RELATIVE_INT:
-            if self.whereabouts.home_set_us is None:
+            if self.home_position.home_set_us is None:
                 return None
             altitude += self.home_altitude
         elif frame != GLOBAL_INT:  # above the terrain, which is flat
@@ -226,7 +226,7 @@ class Autopilot:
         """Where a pilot's sticks are."""
         self.sticks.take(position, source, self.t)
         self.commander.throttle = position.throttle
-        self.commander.facts.sticks_lost = self.sticks.is_lost(self.t)
+        self.commander.failsafe_flags.manual_control_signal_lost = self.sticks.is_lost(self.t)
         if self.sticks.have_moved():
             self.commander.sticks_moved(self.t)
 
@@ -249,7 +249,7 @@ class Autopilot:
         if self.commander.mode is Mode.HOLD:
             before = self.guidance.destination or self.estimate.p_n
             place = (*(before[:2] if level is None else level), before[2] if down is None else down)
-            home = self.guidance.home_n if self.whereabouts.home_set_us is not None else None
+            home = self.guidance.home_n if self.home_position.home_set_us is not None else None
             if self.parameters["GF_ACTION"] and self.fence.broken_at(place, home):
                 self.commander.say(Severity.CRITICAL, "Reposition is outside geofence\t")
                 return

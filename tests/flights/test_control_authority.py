@@ -41,7 +41,7 @@ def test_from_the_ground_and_back_to_it(level: OutputLevel) -> None:
     ]  # fmt: skip
     assert flown.between.truth.on_ground
     assert not flown.between.bridge.autopilot.commander.armed
-    assert flown.between.bridge.autopilot.commander.intent is not Mode.OFFBOARD
+    assert flown.between.bridge.autopilot.commander.user_intended_mode is not Mode.OFFBOARD
     assert flown.between.bridge.autopilot.parameters["COM_OF_LOSS_T"] == 1.0  # set for rates, and set back
 
 
@@ -120,7 +120,7 @@ def test_how_it_ends(finish: Finish, mode: Mode | None) -> None:
         assert flown.between.truth.on_ground
         assert not commander.armed
         assert finish.value in phases(flown)
-    assert commander.intent is not Mode.OFFBOARD
+    assert commander.user_intended_mode is not Mode.OFFBOARD
 
 
 def test_the_pilot_begins_leaves_and_comes_back() -> None:

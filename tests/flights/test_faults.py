@@ -140,7 +140,7 @@ def test_the_link_is_cut(mission: str, level: OutputLevel, seconds: float) -> No
     assert watched.speed > 0.95 * SPEED
     assert watched.mode is Mode.HOLD
     # asked for until it was so: PX4 will not go back into OFFBOARD by itself
-    assert watched.flown.between.bridge.autopilot.commander.intent is Mode.HOLD
+    assert watched.flown.between.bridge.autopilot.commander.user_intended_mode is Mode.HOLD
     assert watched.said.startswith("no state from the vehicle for 0.2")
     assert "HOLD was asked for, and the vehicle is in Hold; check the link" in watched.said
     assert watched.lowest > FLOOR
@@ -331,7 +331,7 @@ def test_a_failsafe_of_the_vehicle_is_left_alone_and_offboard_ended_after_it() -
     assert flown.between.truth.on_ground
     commander = flown.between.bridge.autopilot.commander
     assert not commander.armed
-    assert (commander.mode, commander.intent) == (Mode.HOLD, Mode.HOLD)
+    assert (commander.mode, commander.user_intended_mode) == (Mode.HOLD, Mode.HOLD)
     assert flown.setpoints[-1][0] < AT + 1.1
     asked = [now for now, f in flown.between.sent if f.format.name == "COMMAND_LONG" and now > AT]
     assert min(asked) > AT + 10.0  # nothing was asked for while the failsafe flew
@@ -350,7 +350,7 @@ def test_the_operator_disarms_in_the_air() -> None:
     """It falls, as he wanted; but when it is armed again it will not be in OFFBOARD."""
     watched = fly(meddle=once(AT, lambda f: Operator(f.between.bridge).commands(400, 0.0, 21196.0)))
     assert watched.said.startswith("the vehicle was disarmed: nothing more was sent")
-    assert watched.flown.between.bridge.autopilot.commander.intent is Mode.HOLD
+    assert watched.flown.between.bridge.autopilot.commander.user_intended_mode is Mode.HOLD
     assert watched.flown.setpoints[-1][0] < AT + 1.1  # the heartbeat tells it, once a second
 
 

@@ -1,7 +1,7 @@
 """Armed or not, which mode, what to do when something is lost. No I/O, no physics: times and facts in, decisions out.
 
-``intent`` is what the operator asked for, ``mode`` what is flown. They differ while a failsafe acts; the intent stays,
-so that offboard comes back by itself when its setpoints do, until somebody asks for another mode.
+``user_intended_mode`` is what the operator asked for, ``mode`` what is flown. They differ while a failsafe acts; the
+first stays, so that offboard comes back by itself when its setpoints do, until somebody asks for another mode.
 """
 
 from __future__ import annotations
@@ -11,8 +11,20 @@ import math
 from typing import NamedTuple
 
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.commander.failsafe import FLOWN, Action, Failsafe, Option, Situation, Takeover
-from sim_bridge.autopilot.commander.failsafe_checks import AtArming, Facts, causes, fallback
+from sim_bridge.autopilot.commander.failsafe import (
+    MODE_FROM_ACTION,
+    Action,
+    ActionOptions,
+    Failsafe,
+    Situation,
+    UserTakeoverAllowed,
+)
+from sim_bridge.autopilot.commander.failsafe_checks import (
+    FailsafeFlags,
+    StateAtArming,
+    check_mode_fallback,
+    check_state_and_mode,
+)
 from sim_bridge.autopilot.parameters import Parameters
 
 READY_AFTER = 4.4
@@ -67,21 +79,21 @@ class Text(NamedTuple):
 
 
 class Commander:
-    """The decisions of one vehicle. Times are the vehicle's clock, s. ``facts``: kept up to date by others."""
+    """The decisions of one vehicle. Times are the vehicle's clock, s. ``failsafe_flags``: kept by others."""
 
     def __init__(self, parameters: Parameters, ready_at: float = READY_AFTER) -> None:
         self._parameters = parameters
         self._ready_at = ready_at
-        self.facts = Facts()
+        self.failsafe_flags = FailsafeFlags()
         self.armed = False
         self.armed_at = 0.0
-        self.intent = Mode.HOLD
+        self.user_intended_mode = Mode.HOLD
         self.landed = True
         self.landed_at = 0.0
         self.has_flown = False
         self.setpoint_at = -math.inf
         self._failsafe = Failsafe()
-        self._at_arming = AtArming()
+        self._at_arming = StateAtArming()
         self.throttle = 0.0
         """The pilot's throttle stick, -1..1."""
         self._sticks_were_lost = True
@@ -94,7 +106,11 @@ class Commander:
     def mode(self) -> Mode:
         """What is flown."""
         action = self._failsafe.action
-        return FLOWN.get(action, self.intent) if self.armed or action is Action.TERMINATE else self.intent
+        return (
+            MODE_FROM_ACTION.get(action, self.user_intended_mode)
+            if self.armed or action is Action.TERMINATE
+            else self.user_intended_mode
+        )
 
     @property
     def failsafe(self) -> Mode | None:
@@ -107,7 +123,7 @@ class Commander:
 
     def can_run(self, mode: Mode, t: float) -> bool:
         """Whether what a mode needs is there."""
-        if mode in MANUAL and self.facts.sticks_lost:
+        if mode in MANUAL and self.failsafe_flags.manual_control_signal_lost:
             return False
         if mode is Mode.OFFBOARD and t - self.setpoint_at > self._parameters["COM_OF_LOSS_T"]:
             return False
@@ -115,9 +131,9 @@ class Commander:
 
     def can_arm(self, t: float) -> bool:
         """Whether arming would be accepted."""
-        unreachable = self.facts.ground_station_lost and self._parameters["NAV_DLL_ACT"]
-        kept = self._parameters["COM_ARM_MIS_REQ"] and self.facts.mission_missing
-        outside = self.facts.outside and self._parameters["GF_ACTION"]
+        unreachable = self.failsafe_flags.gcs_connection_lost and self._parameters["NAV_DLL_ACT"]
+        kept = self._parameters["COM_ARM_MIS_REQ"] and self.failsafe_flags.auto_mission_missing
+        outside = self.failsafe_flags.geofence_breached and self._parameters["GF_ACTION"]
         return self.can_run(self.mode, t) and self.mode not in ENDING and not (unreachable or kept or outside)
 
     def say(self, severity: Severity, text: str) -> None:
@@ -142,7 +158,7 @@ class Commander:
                 self.say(Severity.CRITICAL, f"Switching to {name} is currently not available\t")
             return Result.TEMPORARILY_REJECTED
         self._requested = True
-        self._intend(mode)
+        self._change_user_intended_mode(mode)
         self.update(t)
         return Result.ACCEPTED
 
@@ -154,7 +170,9 @@ class Commander:
             if not force and not self._may_arm(t):
                 return Result.TEMPORARILY_REJECTED
             self.armed, self.armed_at, self.has_flown = True, t, not self.landed
-            self.facts.offboard_lost = self.mode is Mode.OFFBOARD and not self.can_run(Mode.OFFBOARD, t)
+            self.failsafe_flags.offboard_control_signal_lost = self.mode is Mode.OFFBOARD and not self.can_run(
+                Mode.OFFBOARD, t
+            )
             self.say(Severity.INFO, f"Armed by {by}\t")
             return Result.ACCEPTED
         if not self.landed and not force:
@@ -168,20 +186,20 @@ class Commander:
         if not self.armed or self.mode in MANUAL or self.mode in (Mode.ORBIT, Mode.TERMINATION):
             return
         if self._failsafe.is_acting:
-            self._look(t, sticks_moved=True)
+            self._look(t, rc_sticks_takeover_request=True)
         elif self.can_run(Mode.POSITION, t):
             self.say(Severity.INFO, "Pilot took over using sticks\t")
             self.request_mode(Mode.POSITION, t)
 
     def takeoff_is_over(self) -> None:
         """A take-off has reached its height."""
-        if self.intent is Mode.TAKEOFF:
-            self._intend(Mode.HOLD)
+        if self.user_intended_mode is Mode.TAKEOFF:
+            self._change_user_intended_mode(Mode.HOLD)
 
     def mission_is_over(self) -> None:
         """The last item of the mission has been flown, in the air."""
-        if self.intent is Mode.MISSION:
-            self._intend(Mode.HOLD)
+        if self.user_intended_mode is Mode.MISSION:
+            self._change_user_intended_mode(Mode.HOLD)
 
     def setpoint_arrived(self, t: float) -> None:
         """An offboard setpoint of any kind."""
@@ -205,32 +223,38 @@ class Commander:
         self._watch_sticks()
         self._look(t)
         if self.armed and self.landed:
-            at_the_end = self.intent is Mode.MISSION and self.facts.mission_finished
+            at_the_end = self.user_intended_mode is Mode.MISSION and self.failsafe_flags.mission_finished
             wait = 0.0 if at_the_end else self._parameters["COM_DISARM_LAND"]
             if self.has_flown and t - self.landed_at >= wait and self._parameters["COM_DISARM_LAND"] > 0.0:
                 self._disarm("landing")
             elif not self.has_flown and t - self.armed_at >= self._parameters["COM_DISARM_PRFLT"] > 0.0:
                 self._disarm("auto preflight disarming")
 
-    def _look(self, t: float, sticks_moved: bool = False) -> None:
+    def _look(self, t: float, rc_sticks_takeover_request: bool = False) -> None:
         """Let the failsafe decide."""
-        facts, parameters = self.facts, self._parameters
-        self._at_arming.update(t, self.armed, facts)
+        flags, parameters = self.failsafe_flags, self._parameters
+        self._at_arming.update(t, self.armed, flags)
 
         def can_run(mode: Mode) -> bool:
-            return self._has_what_it_takes(mode, t) and not (mode is Mode.OFFBOARD and facts.offboard_lost)
+            return self._has_what_it_takes(mode, t) and not (
+                mode is Mode.OFFBOARD and flags.offboard_control_signal_lost
+            )
 
-        wrong = {} if not self.armed else causes(t, self.intent, facts, self._at_arming, parameters)
-        falls_to = fallback(self.intent, facts, parameters, can_run)
+        wrong = (
+            {}
+            if not self.armed
+            else check_state_and_mode(t, self.user_intended_mode, flags, self._at_arming, parameters)
+        )
+        falls_to = check_mode_fallback(self.user_intended_mode, flags, parameters, can_run)
         if self.armed and falls_to is not Action.NONE:
-            wrong["mode"] = Option(falls_to, takeover=Takeover.ALWAYS)
+            wrong["mode_fallback"] = ActionOptions(falls_to, allow_user_takeover=UserTakeoverAllowed.ALWAYS)
         requested, self._requested = self._requested, False
         verdict = self._failsafe.update(Situation(
-            t, self.armed, self.intent, requested, sticks_moved, wrong, can_run,
-            lambda mode: fallback(mode, facts, parameters, can_run), parameters["COM_FAIL_ACT_T"],
+            t, self.armed, self.user_intended_mode, requested, rc_sticks_takeover_request, wrong, can_run,
+            lambda mode: check_mode_fallback(mode, flags, parameters, can_run), parameters["COM_FAIL_ACT_T"],
         ))  # fmt: skip
-        if verdict.intent is not self.intent:
-            self._intend(verdict.intent)
+        if verdict.user_intended_mode is not self.user_intended_mode:
+            self._change_user_intended_mode(verdict.user_intended_mode)
         if verdict.text is not None:
             self.say(Severity.CRITICAL, verdict.text)
         if self._failsafe.action is Action.DISARM:
@@ -240,38 +264,38 @@ class Commander:
         """Notice that offboard setpoints stay away, or are back."""
         age = t - self.setpoint_at
         limit = self._parameters["COM_OF_LOSS_T"]
-        if not self.armed or self.intent is not Mode.OFFBOARD:
-            self.facts.offboard_lost = age > limit
+        if not self.armed or self.user_intended_mode is not Mode.OFFBOARD:
+            self.failsafe_flags.offboard_control_signal_lost = age > limit
             self._resumed_at = None
-        elif not self.facts.offboard_lost:
-            self.facts.offboard_lost = age > limit + LOSS_NOTICED_AFTER
+        elif not self.failsafe_flags.offboard_control_signal_lost:
+            self.failsafe_flags.offboard_control_signal_lost = age > limit + LOSS_NOTICED_AFTER
             self._resumed_at = None
         elif age > limit:
             self._resumed_at = None
         elif self._resumed_at is None:
             self._resumed_at = t
         elif t - self._resumed_at >= RETURN_NOTICED_AFTER:
-            self.facts.offboard_lost = False
+            self.failsafe_flags.offboard_control_signal_lost = False
 
     def _watch_sticks(self) -> None:
         """With one setting the loss of the sticks is no failsafe: the vehicle changes to hold, as if told to."""
-        before, lost = self._sticks_were_lost, self.facts.sticks_lost
+        before, lost = self._sticks_were_lost, self.failsafe_flags.manual_control_signal_lost
         self._sticks_were_lost = lost
         just_lost = lost and not before and self.armed and self.mode in MANUAL
         if just_lost and int(self._parameters["NAV_RCL_ACT"]) == HOLD_WITHOUT_A_FAILSAFE:
             self.say(Severity.INFO, "Manual control lost: switching to Hold\t")
             self._requested = True
-            self._intend(Mode.HOLD)
+            self._change_user_intended_mode(Mode.HOLD)
 
     def _has_what_it_takes(self, mode: Mode, t: float) -> bool:
         """Whether a mode can run, sticks and setpoints apart."""
         if mode in NOT_THERE or not self.is_ready(t):
             return False
-        return mode is not Mode.MISSION or not self.facts.mission_missing
+        return mode is not Mode.MISSION or not self.failsafe_flags.auto_mission_missing
 
     def _may_arm(self, t: float) -> bool:
         """Whether arming is accepted; if not, why not is said."""
-        if self.mode in MANUAL and not self.facts.sticks_lost:
+        if self.mode in MANUAL and not self.failsafe_flags.manual_control_signal_lost:
             climbs = self.mode in (Mode.POSITION, Mode.POSITION_SLOW, Mode.ALTITUDE, Mode.ALTITUDE_CRUISE)
             if self.throttle > 0.2 if climbs else self.throttle >= -0.8:
                 self.say(Severity.CRITICAL, "Arming denied: throttle not in safe position\t")
@@ -281,14 +305,14 @@ class Commander:
             return False
         return True
 
-    def _intend(self, mode: Mode) -> None:
-        if mode is Mode.OFFBOARD and self.intent is not Mode.OFFBOARD:
-            self.facts.offboard_lost = False  # looked at when it was asked for
-        self.intent = mode
+    def _change_user_intended_mode(self, mode: Mode) -> None:
+        if mode is Mode.OFFBOARD and self.user_intended_mode is not Mode.OFFBOARD:
+            self.failsafe_flags.offboard_control_signal_lost = False  # looked at when it was asked for
+        self.user_intended_mode = mode
         if mode not in ENDING and mode is not Mode.TAKEOFF:
             self._after_disarming = mode
 
     def _disarm(self, why: str) -> None:
         self.armed = False
-        self.intent = self._after_disarming
+        self.user_intended_mode = self._after_disarming
         self.say(Severity.INFO, f"Disarmed by {why}\t")

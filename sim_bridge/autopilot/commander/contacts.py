@@ -28,12 +28,12 @@ class Contacts:
             self._commander.say(Severity.INFO, f"{name} regained\t")
         self._heard[kind] = t
         if kind == GROUND_STATION:
-            self._commander.facts.ground_station_lost = False
+            self._commander.failsafe_flags.gcs_connection_lost = False
 
     def update(self, t: float) -> None:
         """Look at the clock."""
         if self._is_silent(GROUND_STATION, t, self._parameters["COM_DL_LOSS_T"]):
-            self._commander.facts.ground_station_lost = True
+            self._commander.failsafe_flags.gcs_connection_lost = True
             self._commander.say(Severity.INFO, "Connection to ground station lost\t")
         if self._is_silent(COMPANION, t, COMPANION_LOST_AFTER):
             self._commander.say(Severity.CRITICAL, "Connection to mission computer lost\t")

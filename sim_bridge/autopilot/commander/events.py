@@ -82,9 +82,9 @@ class Events:
         """The number of the newest."""
         return self._next - 1 & 0xFFFF
 
-    def happened(self, text: Text, time_us: int, intent: Mode, mode: Mode) -> None:
+    def happened(self, text: Text, time_us: int, user_intended_mode: Mode, mode: Mode) -> None:
         """Something was said: keep the event that goes with it, if there is one."""
-        found = event_of(text.text.rstrip("\t"), intent, mode)
+        found = event_of(text.text.rstrip("\t"), user_intended_mode, mode)
         if found is None:
             return
         level = text.severity.value
@@ -99,7 +99,7 @@ class Events:
         self._next += 1
 
 
-def event_of(text: str, intent: Mode, mode: Mode) -> tuple[int, bytes] | None:
+def event_of(text: str, user_intended_mode: Mode, mode: Mode) -> tuple[int, bytes] | None:
     """Id and arguments of the event that goes with a text; None: none does."""
     if text in PLAIN:
         return PLAIN[text], b""
@@ -107,10 +107,12 @@ def event_of(text: str, intent: Mode, mode: Mode) -> tuple[int, bytes] | None:
         if text.startswith(beginning):
             return identity, bytes([REASONS.get(text.removeprefix(beginning), 0)])
     if text == "Failsafe activated":
-        return FAILSAFE, struct.pack("<IB", intent.custom_mode, ACTIONS.get(mode, 0))
+        return FAILSAFE, struct.pack("<IB", user_intended_mode.custom_mode, ACTIONS.get(mode, 0))
     if text.startswith("Failsafe activated: entering Hold"):
         (seconds,) = re.findall(r"\d+", text)
-        return FAILSAFE_AFTER_HOLD, struct.pack("<IBH", intent.custom_mode, ACTIONS[Mode.RETURN], int(seconds))
+        return FAILSAFE_AFTER_HOLD, struct.pack(
+            "<IBH", user_intended_mode.custom_mode, ACTIONS[Mode.RETURN], int(seconds)
+        )
     for pattern, identity, layout in WITH_NUMBERS:
         match = pattern.fullmatch(text)
         if match is not None:

@@ -23,25 +23,31 @@ LOW_BATTERY = {
 def gather(autopilot: Autopilot, passed: float) -> None:
     """``passed`` s after the last time."""
     commander, now, t = autopilot.commander, autopilot.estimate, autopilot.t
-    facts = commander.facts
+    flags = commander.failsafe_flags
     autopilot.battery.update(passed, commander.armed)
     autopilot.contacts.update(t)
-    home_is_known = autopilot.whereabouts.home_set_us is not None
+    home_is_known = autopilot.home_position.home_set_us is not None
     autopilot.fence.update(t, now.p_n, autopilot.guidance.home_n if home_is_known else None)
-    if autopilot.battery.state is not facts.charge:
-        facts.charge = autopilot.battery.state
-        if facts.charge in LOW_BATTERY:
-            commander.say(*LOW_BATTERY[facts.charge])
-    facts.sticks_lost = autopilot.sticks.is_lost(t)
+    if autopilot.battery.state is not flags.battery_warning:
+        flags.battery_warning = autopilot.battery.state
+        if flags.battery_warning in LOW_BATTERY:
+            commander.say(*LOW_BATTERY[flags.battery_warning])
+    flags.manual_control_signal_lost = autopilot.sticks.is_lost(t)
     rates_alone = commander.mode is Mode.ACRO or isinstance(autopilot.demand, RateDemand | MotorDemand)
-    facts.tipped_over = autopilot.tilt.update(t, now.q_nb, commander.armed and not rates_alone)
+    flags.fd_critical_failure = autopilot.tilt.update(t, now.q_nb, commander.armed and not rates_alone)
 
 
 def known_to_the_health_report(autopilot: Autopilot) -> Known:
     """What the health report is made from."""
-    commander, facts, parameters = autopilot.commander, autopilot.commander.facts, autopilot.parameters
+    commander, flags, parameters = autopilot.commander, autopilot.commander.failsafe_flags, autopilot.parameters
     return Known(
-        ready=commander.is_ready(autopilot.t), armed=commander.armed, mode=commander.mode, sticks=not facts.sticks_lost,
-        stream=not facts.offboard_lost, mission=not facts.mission_missing, operator=not facts.ground_station_lost,
-        operator_needed=bool(parameters["NAV_DLL_ACT"]), mission_needed=bool(parameters["COM_ARM_MIS_REQ"]),
-    )  # fmt: skip
+        ready=commander.is_ready(autopilot.t),
+        armed=commander.armed,
+        mode=commander.mode,
+        sticks=not flags.manual_control_signal_lost,
+        stream=not flags.offboard_control_signal_lost,
+        mission=not flags.auto_mission_missing,
+        operator=not flags.gcs_connection_lost,
+        operator_needed=bool(parameters["NAV_DLL_ACT"]),
+        mission_needed=bool(parameters["COM_ARM_MIS_REQ"]),
+    )

@@ -21,7 +21,7 @@ TEXTS = {
 
 
 class FenceWatch:
-    """Keeps the commander's fact ``outside`` up to date and says why."""
+    """Keeps the commander's flag ``geofence_breached`` up to date and says why."""
 
     def __init__(
         self, parameters: Parameters, store: Store, projection: MapProjection, commander: Commander
@@ -44,7 +44,7 @@ class FenceWatch:
         for what in sorted(broken - self._broken):
             self._commander.say(Severity.CRITICAL, TEXTS[what])
         self._broken = broken
-        self._commander.facts.outside = bool(broken)
+        self._commander.failsafe_flags.geofence_breached = bool(broken)
 
     def broken_at(self, place: Vec3, home_n: Vec3 | None) -> frozenset[str]:
         """Which of the limits a place breaks."""

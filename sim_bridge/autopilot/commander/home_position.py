@@ -19,7 +19,7 @@ CARRIED_AWAY = 1.0
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
-class Whereabouts:
+class HomePosition:
     """``origin_set_us``, ``home_set_us``: when, on the vehicle's clock; None while not yet. Home is in ``guidance``."""
 
     def __init__(self, guidance: Guidance) -> None:

@@ -33,17 +33,17 @@ def _set_home(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
         return Result.DENIED
     here, roll, pitch, yaw, latitude, longitude, altitude = command.parameters
     if here > 0.5:
-        if not autopilot.whereabouts.position_known:
+        if not autopilot.home_position.position_known:
             return Result.TEMPORARILY_REJECTED
-        autopilot.whereabouts.set_home_here(autopilot.estimate)
+        autopilot.home_position.set_home_here(autopilot.estimate)
         return Result.ACCEPTED
     place = _place(autopilot, latitude, longitude, altitude)
     if place is None:
         return Result.DENIED
-    if not autopilot.whereabouts.position_known:
+    if not autopilot.home_position.position_known:
         return Result.TEMPORARILY_REJECTED
     attitude = quaternion_from_euler(*(math.radians(x) if math.isfinite(x) else 0.0 for x in (yaw, pitch, roll)))
-    autopilot.whereabouts.set_home(place, attitude, autopilot.estimate)
+    autopilot.home_position.set_home(place, attitude, autopilot.estimate)
     return Result.ACCEPTED
 
 
@@ -99,7 +99,7 @@ def _look(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
 def _start_mission(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
     """Arm and fly the mission from an item on; -1: from the current one."""
     commander, first = autopilot.commander, command.parameters[0]
-    if commander.facts.mission_missing:
+    if commander.failsafe_flags.auto_mission_missing:
         commander.say(Severity.CRITICAL, "Mission start denied! No valid mission\t")
         return Result.DENIED
     if not -1.0 <= first < len(autopilot.missions.items[Kind.MISSION]):
@@ -116,7 +116,7 @@ def _set_mission_current(command: Command, autopilot: Autopilot, wire: Wire) -> 
     index, resets = command.parameters[:2]
     if not index >= -1.0 or not math.isfinite(index) or resets not in (0.0, 1.0):
         return Result.DENIED
-    if autopilot.commander.facts.mission_missing:
+    if autopilot.commander.failsafe_flags.auto_mission_missing:
         return Result.FAILED
     if resets:
         autopilot.mission.forget_jumps()

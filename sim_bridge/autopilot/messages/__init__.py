@@ -77,11 +77,11 @@ BUILDERS: dict[int, tuple[Format, Build]] = {
 
 def _mode_edition(a: Autopilot) -> object:
     """PX4 publishes its status twice a second, and at once when it changes."""
-    return (a.commander.mode, a.commander.intent, a.commander.armed, a.estimate.time_us // 500_000)
+    return (a.commander.mode, a.commander.user_intended_mode, a.commander.armed, a.estimate.time_us // 500_000)
 
 
 def _origin_edition(a: Autopilot) -> object:
-    return a.whereabouts.origin_set_us
+    return a.home_position.origin_set_us
 
 
 EDITIONS = {BY_NAME["CURRENT_MODE"].id: _mode_edition, BY_NAME["GPS_GLOBAL_ORIGIN"].id: _origin_edition}

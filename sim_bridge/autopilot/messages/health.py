@@ -72,7 +72,7 @@ def _millivolts(a: Autopilot) -> int:
 def estimator_status(a: Autopilot) -> Values:
     """ESTIMATOR_STATUS: small innovations, once there are any."""
     time_us = a.estimate.time_us
-    if not a.whereabouts.position_known:
+    if not a.home_position.position_known:
         return (time_us, NAN, NAN, 0.0022, NAN, NAN, NAN, 14.145, 0.8, ESTIMATOR_STARTING)
     flags = ESTIMATOR_GOOD & ~(0 if a.commander.landed else STANDING_STILL)
     return (time_us, 0.0135, 0.006, 0.0024, 0.08, 0.003, NAN, 0.289, 0.036, flags)

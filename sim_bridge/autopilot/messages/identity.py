@@ -77,7 +77,7 @@ STANDARD_MODES = {
 def current_mode(a: Autopilot) -> Values:
     """CURRENT_MODE: what is flown, and what the operator meant."""
     mode = a.commander.mode
-    return (mode.custom_mode, a.commander.intent.custom_mode, STANDARD_MODES.get(mode, 0))
+    return (mode.custom_mode, a.commander.user_intended_mode.custom_mode, STANDARD_MODES.get(mode, 0))
 
 
 class Available(NamedTuple):

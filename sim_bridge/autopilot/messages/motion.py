@@ -88,7 +88,7 @@ def scaled_pressure(a: Autopilot) -> Values:
 
 def global_position_int(a: Autopilot) -> Values | None:
     """GLOBAL_POSITION_INT, once the estimator knows where it is."""
-    if not a.whereabouts.position_known:
+    if not a.home_position.position_known:
         return None
     now = a.estimate
     vn, ve, vd = now.v_n
@@ -114,7 +114,7 @@ def altitude(a: Autopilot) -> Values:
     """ALTITUDE: above the sea, home and the ground, which is flat at the origin's height."""
     height = 0.0 - a.estimate.p_n[2]
     above_sea = altitude_of(a)
-    if not a.whereabouts.position_known:
+    if not a.home_position.position_known:
         return (a.estimate.time_us, above_sea, NAN, NAN, NAN, NAN, NAN)
     return (a.estimate.time_us, above_sea, above_sea, height, height + a.guidance.home_n[2], 0.0, height)
 
@@ -150,19 +150,19 @@ def hil_state_quaternion(a: Autopilot) -> Values:
 
 def home_position(a: Autopilot) -> Values | None:
     """HOME_POSITION: where a return goes, once that is known."""
-    if a.whereabouts.home_set_us is None:
+    if a.home_position.home_set_us is None:
         return None
     x, y, z = a.guidance.home_n
     latitude, longitude = degrees_e7(*a.projection.reproject(x, y))
     return message("HOME_POSITION").values(
         latitude=latitude, longitude=longitude, altitude=int32((a.home.altitude - z) * 1e3),
-        x=x, y=y, z=z, q=a.whereabouts.home_q, time_usec=a.whereabouts.home_set_us,
+        x=x, y=y, z=z, q=a.home_position.home_q, time_usec=a.home_position.home_set_us,
     )  # fmt: skip
 
 
 def gps_global_origin(a: Autopilot) -> Values | None:
     """GPS_GLOBAL_ORIGIN: the zero of the local frame, once the estimator has one."""
-    if a.whereabouts.origin_set_us is None:
+    if a.home_position.origin_set_us is None:
         return None
     latitude, longitude = degrees_e7(a.home.latitude, a.home.longitude)
-    return (latitude, longitude, int32(a.home.altitude * 1e3), a.whereabouts.origin_set_us)
+    return (latitude, longitude, int32(a.home.altitude * 1e3), a.home_position.origin_set_us)

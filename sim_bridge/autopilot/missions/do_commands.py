@@ -24,7 +24,7 @@ def carry_out(item: Item, autopilot: Autopilot) -> None:
     elif command == Command.CHANGE_SPEED:
         change_speed(item.params[1], autopilot)
     elif command == Command.SET_HOME and item.params[0] > USE_HERE:
-        autopilot.whereabouts.set_home_here(autopilot.estimate)
+        autopilot.home_position.set_home_here(autopilot.estimate)
     elif command == Command.ROI_LOCATION or (command in (Command.ROI, Command.OLD_ROI) and _is_a_place(item)):
         look_at(item.x, item.y, altitude_of(item, autopilot.home_altitude), autopilot)
     elif command in (Command.ROI_NONE, Command.ROI, Command.OLD_ROI):

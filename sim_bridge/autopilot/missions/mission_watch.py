@@ -21,12 +21,12 @@ def look_after(autopilot: Autopilot) -> None:
     """Once in a while, whatever is flown."""
     commander, mission, store = autopilot.commander, autopilot.mission, autopilot.missions
     mission.home_altitude = autopilot.home_altitude
-    state = (store.editions[Kind.MISSION], store.editions[Kind.FENCE], autopilot.whereabouts.home_set_us is not None)
+    state = (store.editions[Kind.MISSION], store.editions[Kind.FENCE], autopilot.home_position.home_set_us is not None)
     if state != autopilot.mission_checked:
         _check(autopilot, is_new=autopilot.mission_checked[:1] != state[:1])
         autopilot.mission_checked = state
-    commander.facts.mission_missing = not mission.is_valid
-    commander.facts.mission_finished = mission.finished
+    commander.failsafe_flags.auto_mission_missing = not mission.is_valid
+    commander.failsafe_flags.mission_finished = mission.finished
     mission.is_flown = commander.mode in COUNTS_AS_MISSION
     orders, mission.orders = mission.orders, []
     notes = [*mission.notes, *autopilot.guidance.notes]
@@ -38,7 +38,7 @@ def look_after(autopilot: Autopilot) -> None:
         carry_out(order, autopilot)
     if not commander.armed:
         mission.disarmed()
-    elif commander.intent is Mode.MISSION and mission.finished and not commander.landed:
+    elif commander.user_intended_mode is Mode.MISSION and mission.finished and not commander.landed:
         commander.mission_is_over()
 
 
@@ -51,7 +51,7 @@ def _check(autopilot: Autopilot, is_new: bool) -> None:
         return not autopilot.parameters["GF_ACTION"] or not autopilot.fence.broken_at(place, autopilot.guidance.home_n)
 
     fault = fault_of(
-        items, home_is_known=autopilot.whereabouts.home_set_us is not None, home_altitude=autopilot.home_altitude,
+        items, home_is_known=autopilot.home_position.home_set_us is not None, home_altitude=autopilot.home_altitude,
         landed=autopilot.commander.landed, may_be_at=may_be_at,
     )  # fmt: skip
     commander = autopilot.commander
