@@ -145,7 +145,7 @@ def fly(
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
     from companion.cli.check import looked_at
     from companion.cli.finish import Ending, refuse, say
-    from companion.cli.flying import Flight, manner, most_speed_scale
+    from companion.cli.flying import Flight, authority_of, most_speed_scale
     from companion.cli.flying import fly as fly_now
     from companion.cli.orders import Faults, read_sortie
     from companion.daemon.address import parsed
@@ -166,7 +166,7 @@ def fly(
     if dry_run and bench:
         raise CompanionError("--dry-run and --bench exclude each other; expected one of them")
     conduct = Conduct(
-        manner=manner(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
+        authority=authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
         finish=Finish.AS_BEGUN if finish is None else Finish(finish.value),
         limits=Limits(tube=tube, floor=floor, ceiling=ceiling),
         speed_scale_max=most_speed_scale(found.speed_scale_max),

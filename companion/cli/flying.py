@@ -14,7 +14,7 @@ from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.port import Port
 from companion.feasibility.report import check
 from companion.feasibility.words import headline
-from companion.flight.conduct import Conduct, Manner
+from companion.flight.conduct import Conduct, ControlAuthority
 from companion.mission import Mission, Origin
 from companion.record.folder import Recorder
 from companion.record.learned import recalled, remembered, state_file
@@ -23,10 +23,10 @@ from companion.vehicle import Vehicle
 WAIT_FOR_VEHICLE = 10.0
 SPEED_SCALE_MAX = 1.5
 WORDS = {
-    Manner.COMPANION: "Ctrl-C hands it back",
-    Manner.PILOT: "the path is flown while the pilot has OFFBOARD selected",
-    Manner.REHEARSAL: "a dry run: nothing is armed, nothing is commanded",
-    Manner.BENCH: "the bench: PROPELLERS OFF; nothing is armed, nothing is commanded",
+    ControlAuthority.COMPANION: "Ctrl-C hands it back",
+    ControlAuthority.PILOT: "the path is flown while the pilot has OFFBOARD selected",
+    ControlAuthority.REHEARSAL: "a dry run: nothing is armed, nothing is commanded",
+    ControlAuthority.BENCH: "the bench: PROPELLERS OFF; nothing is armed, nothing is commanded",
 }
 
 
@@ -55,14 +55,14 @@ def objection(mission: Mission, vehicle: Vehicle, ground: float) -> str | None:
     return None if found.may_be_flown else headline(found)
 
 
-def manner(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial: bool) -> Manner:
+def authority_of(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial: bool) -> ControlAuthority:
     """Who does what. On a serial line, which is how a companion sits in a vehicle, the pilot is asked to begin."""
     if bench:
-        return Manner.BENCH
+        return ControlAuthority.BENCH
     if dry_run:
-        return Manner.REHEARSAL
+        return ControlAuthority.REHEARSAL
     pilot = serial if start is None else start is WhoStarts.PILOT
-    return Manner.PILOT if pilot else Manner.COMPANION
+    return ControlAuthority.PILOT if pilot else ControlAuthority.COMPANION
 
 
 def fly(flight: Flight, port: Port) -> int:
@@ -85,7 +85,7 @@ def fly(flight: Flight, port: Port) -> int:
         else lambda mission, ground: objection(mission, sortie.vehicle, ground),
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
-    say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.manner]}")
+    say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.authority]}")
     try:
         stopped = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE)
     except NoVehicleError as error:

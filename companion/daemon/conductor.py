@@ -235,7 +235,7 @@ class Conductor:
             self.ground.speed_scale,
         )
         before = self.memory
-        self.memory, early = pilot.first(self.plan, before, seen, now)
+        self.memory, early = pilot.compute_setpoint(self.plan, before, seen, now)
         self._half = Half(seen, early, now, before)
         if early is None:
             self._conclude()
@@ -247,7 +247,7 @@ class Conductor:
         if self._half is None or self.plan is None or self.memory is None:
             return
         (seen, early, now, before), self._half = self._half, None
-        self.memory, outcome = pilot.rest(self.plan, self.memory, seen, now, early)
+        self.memory, outcome = pilot.supervise(self.plan, self.memory, seen, now, early)
         if early is None and outcome.setpoint is not None:
             self._queue(self.memory, outcome.setpoint)
         self.link.requests.want(None if outcome.request is None else COMMANDS[outcome.request], now)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from companion.daemon.orders import Orders
 from companion.flight import output
-from companion.flight.conduct import TILT_MARGIN, Conduct, Manner
+from companion.flight.conduct import TILT_MARGIN, Conduct, ControlAuthority
 from companion.frames import Vec3
 from companion.geodesy import LocalFrame
 from companion.mavlink.link import Identity, Link
@@ -132,7 +132,7 @@ class Preparation:
     def _set(self, orders: Orders, choice: output.Choice, now: float) -> None:
         """Set the parameters that a level needs."""
         self.notes.append(choice.why)
-        if orders.conduct.manner in (Manner.REHEARSAL, Manner.BENCH):
+        if orders.conduct.authority in (ControlAuthority.REHEARSAL, ControlAuthority.BENCH):
             return  # nothing is commanded, nor set
         for name, value in choice.settings:
             was = self.parameters.value(name)

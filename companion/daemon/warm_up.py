@@ -25,9 +25,9 @@ class Rehearsal:
             return False
         for frame in self._decoder.datagram(self._frame):
             self._telemetry.receive(frame)
-        memory, early = pilot.first(plan, tick.before, tick.seen, tick.now)
+        memory, early = pilot.compute_setpoint(plan, tick.before, tick.seen, tick.now)
         if early is None:
-            pilot.rest(plan, memory, tick.seen, tick.now, early)
+            pilot.supervise(plan, memory, tick.seen, tick.now, early)
         setpoint = tick.outcome.setpoint if early is None else early.steered.setpoint
         self._encoder.encode(*setpoints.encoded(setpoint, tick.seen.state.t_boot, 1, 1))
         return True

@@ -1,6 +1,6 @@
 """The flight as a state machine: what it is doing, what may happen to it, what it does then.
 
-conduct    how a flight is to be conducted, as values: manner, finish, limits
+conduct    how a flight is to be conducted, as values: authority, finish, limits
 phases     the phases and the events, and the table of what follows what
 situation  what is looked at, as one value
 guards     what is seen -> events, each with its reason in words

@@ -7,7 +7,7 @@ import math
 from typing import Any, NamedTuple
 
 
-class Manner(enum.Enum):
+class ControlAuthority(enum.Enum):
     """Who does what.
 
     ``COMPANION`` arms, takes off and changes the mode. ``PILOT``: the human does all that; the companion follows while
@@ -53,32 +53,31 @@ class Conduct(NamedTuple):
     """``at_once``: the path is flown from the first setpoint on, without settling or joining (a simulated flight that
     begins in a given state). ``speed_scale_max``: how much faster than the mission it may be asked to fly."""
 
-    manner: Manner = Manner.COMPANION
+    authority: ControlAuthority = ControlAuthority.COMPANION
     finish: Finish = Finish.AS_BEGUN
     limits: Limits = Limits()
     at_once: bool = False
     speed_scale_max: float = 1.0
 
 
-def told(conduct: Conduct) -> dict[str, Any]:
+def to_dict(conduct: Conduct) -> dict[str, Any]:
     """As plain values, for the record."""
     return {
         **conduct._asdict(),
-        "manner": conduct.manner.value,
+        "authority": conduct.authority.value,
         "finish": conduct.finish.value,
         "limits": conduct.limits._asdict(),
     }
 
 
-def untold(values: dict[str, Any]) -> Conduct:
-    """The conduct that ``told`` made plain. KeyError, TypeError, ValueError: it is none."""
+def from_dict(values: dict[str, Any]) -> Conduct:
+    """The conduct that ``to_dict`` made plain. KeyError, TypeError, ValueError: it is none."""
     limits = Limits(**values["limits"])
     if limits.home is not None:
         north, east, down = limits.home
         limits = limits._replace(home=(north, east, down))
-    return Conduct(**{
-        **values, "manner": Manner(values["manner"]), "finish": Finish(values["finish"]), "limits": limits
-    })  # fmt: skip
+    authority, finish = ControlAuthority(values["authority"]), Finish(values["finish"])
+    return Conduct(**{**values, "authority": authority, "finish": finish, "limits": limits})
 
 
 TILT_MARGIN = math.radians(2.0)

@@ -10,7 +10,7 @@ ADVICE: dict[Event, str] = {
     Event.LAW_FAILED: "companion check says where the mission cannot be flown",
     Event.TAKEN_OVER: "start again when it is to fly the path",
     Event.FAILSAFE: "the ground station shows the failsafe's cause",
-    Event.LOST_POWER: "look at the vehicle before it is armed again",
+    Event.DISARMED_EXTERNALLY: "look at the vehicle before it is armed again",
     Event.REFUSED: "the ground station shows the reason",
     Event.TIMED_OUT: "put that right, then start again",
 }

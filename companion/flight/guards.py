@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from companion.flight.conduct import Finish, Manner
+from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.phases import EXITS, FLOWN, PHASES, Event, Phase
 from companion.flight.safety import Action
 from companion.flight.situation import Reply, Situation
@@ -41,26 +41,26 @@ EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
 
 def _ready_on_ground(s: Situation) -> str | None:
     on_ground = s.status.landed is Landed.ON_GROUND and not s.status.armed
-    if s.manner is not Manner.COMPANION or s.missing is not None or not on_ground:
+    if s.authority is not ControlAuthority.COMPANION or s.missing is not None or not on_ground:
         return None
     return "the vehicle is ready on the ground"
 
 
 def _ready_in_air(s: Situation) -> str | None:
     flies = s.status.armed and s.status.landed is Landed.IN_AIR
-    if s.manner is not Manner.COMPANION or s.missing is not None or not flies:
+    if s.authority is not ControlAuthority.COMPANION or s.missing is not None or not flies:
         return None
     return "the vehicle is flying"
 
 
 def _ready_for_pilot(s: Situation) -> str | None:
-    if s.manner is not Manner.PILOT or s.missing is not None:
+    if s.authority is not ControlAuthority.PILOT or s.missing is not None:
         return None
     return "all is ready; the path is flown while the pilot has OFFBOARD selected"
 
 
 def _ready_to_rehearse(s: Situation) -> str | None:
-    if s.manner not in (Manner.REHEARSAL, Manner.BENCH) or s.missing is not None:
+    if s.authority not in (ControlAuthority.REHEARSAL, ControlAuthority.BENCH) or s.missing is not None:
         return None
     return "all is ready; nothing is armed and nothing commanded"
 
@@ -76,7 +76,7 @@ def _in_air(s: Situation) -> str | None:
 
 
 def _in_offboard(s: Situation) -> str | None:
-    if s.manner is Manner.PILOT:
+    if s.authority is ControlAuthority.PILOT:
         flies = s.status.armed and s.status.landed is Landed.IN_AIR and s.status.mode is Mode.OFFBOARD
         return "the pilot selected OFFBOARD" if flies else None
     # an accepted change is the vehicle's word as much as a heartbeat is, and up to a second earlier
@@ -113,7 +113,7 @@ def _left(s: Situation) -> bool:
 
 
 def _ending(s: Situation) -> Finish:
-    if s.stop or s.faulty or s.manner is not Manner.COMPANION or s.status.mode is not Mode.HOLD:
+    if s.stop or s.faulty or s.authority is not ControlAuthority.COMPANION or s.status.mode is not Mode.HOLD:
         return Finish.HOLD
     if s.finish is Finish.AS_BEGUN:
         return Finish.LAND if s.from_ground else Finish.HOLD
@@ -164,13 +164,13 @@ def _by_itself(s: Situation) -> bool:
 
 
 def _left_offboard(s: Situation) -> str | None:
-    if s.manner is not Manner.PILOT or not _elsewhere(s) or _by_itself(s):
+    if s.authority is not ControlAuthority.PILOT or not _elsewhere(s) or _by_itself(s):
         return None
     return f"the pilot took over: the mode is {_mode(s)} now"
 
 
 def _taken_over(s: Situation) -> str | None:
-    if s.manner is Manner.PILOT or not _elsewhere(s) or _by_itself(s):
+    if s.authority is ControlAuthority.PILOT or not _elsewhere(s) or _by_itself(s):
         return None
     return f"the operator took over: the mode is {_mode(s)} now"
 
@@ -212,11 +212,11 @@ def _refused(s: Situation) -> str | None:
 def _timed_out(s: Situation) -> str | None:
     row = PHASES[s.phase]
     lasted = s.now - s.entered
-    if s.phase in FLOWN and s.manner is Manner.COMPANION and not s.mode_seen and lasted > CONFIRM_WITHIN:
+    if s.phase in FLOWN and s.authority is ControlAuthority.COMPANION and not s.mode_seen and lasted > CONFIRM_WITHIN:
         return f"OFFBOARD was accepted but the vehicle reports {_mode(s)}"
     if row.time_out is None or lasted <= row.time_out:
         return None
-    if s.phase is Phase.HAND_BACK and s.manner is Manner.PILOT:
+    if s.phase is Phase.HAND_BACK and s.authority is ControlAuthority.PILOT:
         return None  # it is held until the pilot has it
     why = ""
     if s.phase is Phase.PREFLIGHT:
@@ -257,11 +257,11 @@ GUARDS: dict[Event, Callable[[Situation], str | None]] = {
     Event.LEFT_OFFBOARD: _left_offboard,
     Event.TAKEN_OVER: _taken_over,
     Event.FAILSAFE: _failsafe,
-    Event.LOST_POWER: _lost_power,
+    Event.DISARMED_EXTERNALLY: _lost_power,
     Event.STALE: _stale,
     Event.LAW_FAILED: _law_failed,
-    Event.LOST: _lost,
-    Event.UNSAFE: _unsafe,
+    Event.ABORT_REQUIRED: _lost,
+    Event.HAND_BACK_REQUIRED: _unsafe,
     Event.REFUSED: _refused,
     Event.TIMED_OUT: _timed_out,
 }

@@ -58,11 +58,11 @@ class Event(enum.Enum):
     LEFT_OFFBOARD = "pilot left offboard"
     TAKEN_OVER = "mode changed by another"
     FAILSAFE = "vehicle in a failsafe"
-    LOST_POWER = "disarmed by another"
+    DISARMED_EXTERNALLY = "disarmed by another"
     STALE = "state is stale"
     LAW_FAILED = "law not defined"
-    LOST = "a guard aborts"
-    UNSAFE = "a guard hands back"
+    ABORT_REQUIRED = "a guard aborts"
+    HAND_BACK_REQUIRED = "a guard hands back"
     REFUSED = "refused by the vehicle"
     TIMED_OUT = "took too long"
 
@@ -138,7 +138,7 @@ FLOWN = (Phase.SETTLE, Phase.JOIN, Phase.FOLLOW, Phase.REST)
 """The phases in which the vehicle flies on our setpoints and is meant to."""
 
 PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
-    (Event.LOST_POWER, dict.fromkeys(
+    (Event.DISARMED_EXTERNALLY, dict.fromkeys(
         (Phase.TAKE_OFF, Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK, Phase.ABORT), Phase.RELEASE)),
     (Event.LEFT_OFFBOARD, dict.fromkeys(FLOWN, Phase.STAND_BY)),
     (Event.TAKEN_OVER, dict.fromkeys((Phase.TAKE_OFF, *FLOWN, Phase.LAND, Phase.RETURN), Phase.DONE)),
@@ -148,8 +148,8 @@ PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
         **dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT),
         Phase.REHEARSE: Phase.DONE,
     }),
-    (Event.LOST, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
-    (Event.UNSAFE, dict.fromkeys((Phase.TAKE_OVER, *FLOWN), Phase.HAND_BACK)),
+    (Event.ABORT_REQUIRED, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
+    (Event.HAND_BACK_REQUIRED, dict.fromkeys((Phase.TAKE_OVER, *FLOWN), Phase.HAND_BACK)),
     (Event.STOP, {
         Phase.PREFLIGHT: Phase.DONE,
         Phase.ARM: Phase.DISARM,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from companion.flight.conduct import Finish, Limits, Manner
+from companion.flight.conduct import ControlAuthority, Finish, Limits
 from companion.flight.safety import missing_estimate
 from companion.vehicle import Landed, VehicleStatus
 
@@ -17,7 +17,7 @@ class Standing(NamedTuple):
     """What is known before a flight. ``rate``: Hz of states, None until measured. ``has_state``: one has arrived."""
 
     status: VehicleStatus
-    manner: Manner
+    authority: ControlAuthority
     finish: Finish
     limits: Limits
     has_state: bool
@@ -58,13 +58,13 @@ def _home(s: Standing) -> str | None:
 
 
 def _ready(s: Standing) -> str | None:
-    if s.manner is not Manner.COMPANION or s.status.ready or s.status.armed:
+    if s.authority is not ControlAuthority.COMPANION or s.status.ready or s.status.armed:
         return None
     return "the vehicle says it is not ready to arm; see the ground station for its health report"
 
 
 def _landed(s: Standing) -> str | None:
-    if s.manner is not Manner.COMPANION or s.status.landed in (Landed.ON_GROUND, Landed.IN_AIR):
+    if s.authority is not ControlAuthority.COMPANION or s.status.landed in (Landed.ON_GROUND, Landed.IN_AIR):
         return None
     return "the vehicle does not say whether it stands or flies"
 

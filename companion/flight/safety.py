@@ -41,7 +41,7 @@ class Action(enum.IntEnum):
     ABORT = 2
 
 
-class Sight(NamedTuple):
+class SafetyInputs(NamedTuple):
     """What the rows look at.
 
     ``following``: the path is flown now, and it was reached. ``path_error``: m. ``height``: m above the ground, None
@@ -84,7 +84,7 @@ class Row(NamedTuple):
     the pilot."""
 
     words: str
-    breached: Callable[[Sight, Limits], str | None]
+    breached: Callable[[SafetyInputs, Limits], str | None]
     after: float
     action: Action
     advice: str
@@ -98,68 +98,68 @@ def missing_estimate(flags: int | None) -> str | None:
     return " and ".join(missing) if missing else None
 
 
-def _estimator(s: Sight, limits: Limits) -> str | None:
+def _estimator(s: SafetyInputs, limits: Limits) -> str | None:
     missing = missing_estimate(s.status.estimator)
     return None if missing is None else f"the estimator has lost its {missing}"
 
 
-def _jump(s: Sight, limits: Limits) -> str | None:
+def _jump(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.tube is None or s.jump <= limits.tube:
         return None
     return f"the estimator moved the vehicle by {s.jump:.1f} m at once, out of the tube of {limits.tube:g} m"
 
 
-def _same_place(s: Sight, limits: Limits) -> str | None:
+def _same_place(s: SafetyInputs, limits: Limits) -> str | None:
     return "the vehicle says that it moves, and always the same position" if s.same_place else None
 
 
-def _same_attitude(s: Sight, limits: Limits) -> str | None:
+def _same_attitude(s: SafetyInputs, limits: Limits) -> str | None:
     return "the vehicle says that it turns, and always the same attitude" if s.same_attitude else None
 
 
-def _clock(s: Sight, limits: Limits) -> str | None:
+def _clock(s: SafetyInputs, limits: Limits) -> str | None:
     if abs(s.clock_jump) <= CLOCK_JUMP:
         return None
     way = "ahead" if s.clock_jump > 0.0 else "back"
     return f"the vehicle's clock jumped {way} by {abs(s.clock_jump):.1f} s"
 
 
-def _tilt(s: Sight, limits: Limits) -> str | None:
+def _tilt(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.tilt is None or s.tilt <= limits.tilt:
         return None
     return f"the vehicle leans by {math.degrees(s.tilt):.0f} degrees, more than {math.degrees(limits.tilt):.0f}"
 
 
-def _tilt_error(s: Sight, limits: Limits) -> str | None:
+def _tilt_error(s: SafetyInputs, limits: Limits) -> str | None:
     # a vehicle that is held does not lean as it is told either; it is to carry on when it is let go
     if limits.tilt is None or s.tilt_error <= min(TILT_ERROR, limits.tilt) or s.still:
         return None
     return f"the vehicle leans {math.degrees(s.tilt_error):.0f} degrees otherwise than it is told"
 
 
-def _rates(s: Sight, limits: Limits) -> str | None:
+def _rates(s: SafetyInputs, limits: Limits) -> str | None:
     if s.rate_error is None or s.rate_error <= RATE_ERROR or s.turning <= TURNING:
         return None
     return f"the vehicle turns {s.rate_error:.1f} rad/s otherwise than it is told"
 
 
-def _floor(s: Sight, limits: Limits) -> str | None:
+def _floor(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.floor is None or s.height is None or s.height >= limits.floor:
         return None
     return f"{s.height:.1f} m above the ground, below the floor of {limits.floor:g} m"
 
 
-def _ceiling(s: Sight, limits: Limits) -> str | None:
+def _ceiling(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.ceiling is None or s.height is None or s.height <= limits.ceiling:
         return None
     return f"{s.height:.1f} m above the ground, above the ceiling of {limits.ceiling:g} m"
 
 
-def _fence(s: Sight, limits: Limits) -> str | None:
+def _fence(s: SafetyInputs, limits: Limits) -> str | None:
     return None if s.fence_margin >= 0.0 else f"the vehicle is {-s.fence_margin:.1f} m outside the mission's fence"
 
 
-def _own_fence(s: Sight, limits: Limits) -> str | None:
+def _own_fence(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.radius and s.from_home is not None and s.from_home > limits.radius - FENCE_AHEAD:
         return f"{s.from_home:.0f} m from home, at the vehicle's own fence of {limits.radius:g} m (GF_MAX_HOR_DIST)"
     if limits.height and s.above_home is not None and s.above_home > limits.height - FENCE_AHEAD:
@@ -167,45 +167,45 @@ def _own_fence(s: Sight, limits: Limits) -> str | None:
     return None
 
 
-def _tube(s: Sight, limits: Limits) -> str | None:
+def _tube(s: SafetyInputs, limits: Limits) -> str | None:
     if not s.following or limits.tube is None or s.path_error <= limits.tube:
         return None
     return f"{s.path_error:.1f} m from the path, outside the tube of {limits.tube:g} m"
 
 
-def _saturated(s: Sight, limits: Limits) -> str | None:
+def _saturated(s: SafetyInputs, limits: Limits) -> str | None:
     # whoever holds a vehicle still brings the law to its limits, not the path
     if not s.saturated or s.still or limits.tilt is None:
         return None
     return "the vehicle is at its limits and cannot fly this"
 
 
-def _battery(s: Sight, limits: Limits) -> str | None:
+def _battery(s: SafetyInputs, limits: Limits) -> str | None:
     battery = s.status.battery
     if battery is None or limits.battery is None or battery >= limits.battery:
         return None
     return f"the battery is at {100.0 * battery:.0f} %, below {100.0 * limits.battery:.0f} %"
 
 
-def _off_the_path(s: Sight, limits: Limits) -> str | None:
+def _off_the_path(s: SafetyInputs, limits: Limits) -> str | None:
     if not s.following or s.path_error <= FAR_OFF:
         return None
     return f"{s.path_error:.1f} m from the path and not coming nearer"
 
 
-def _behind(s: Sight, limits: Limits) -> str | None:
+def _behind(s: SafetyInputs, limits: Limits) -> str | None:
     return None if s.behind < BEHIND else f"the computer is {s.behind} states behind"
 
 
-def _slow(s: Sight, limits: Limits) -> str | None:
+def _slow(s: SafetyInputs, limits: Limits) -> str | None:
     return None if s.rate is None or s.rate >= SLOW_RATE else f"only {s.rate:.0f} states a second arrive"
 
 
-def _gaps(s: Sight, limits: Limits) -> str | None:
+def _gaps(s: SafetyInputs, limits: Limits) -> str | None:
     return None if s.gaps < GAPS else f"the link has gaps: {s.gaps} of over {GAP:g} s within {GAPS_WITHIN:g} s"
 
 
-def _others(s: Sight, limits: Limits) -> str | None:
+def _others(s: SafetyInputs, limits: Limits) -> str | None:
     return "another companion speaks on the link (a heartbeat of component 191)" if s.companions else None
 
 
@@ -306,7 +306,7 @@ class Verdict(NamedTuple):
 NO_FAULT = Verdict(Action.NONE, None)
 
 
-def watched(since: Since, sight: Sight, limits: Limits, now: float) -> tuple[Since, Verdict]:
+def watched(since: Since, sight: SafetyInputs, limits: Limits, now: float) -> tuple[Since, Verdict]:
     """Look at every row: since when each is breached, and the verdict."""
     reasons = [breached(sight, limits) for breached in _BREACHED]
     if not any(reasons):

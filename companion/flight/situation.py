@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from typing import NamedTuple
 
-from companion.flight.conduct import Finish, Manner
+from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.phases import Phase, Request
 from companion.flight.safety import NO_FAULT, Verdict
 from companion.vehicle import VehicleStatus
@@ -59,7 +59,7 @@ class Situation(NamedTuple):
     state_at: float | None
     answer: Answer | None
     from_ground: bool
-    manner: Manner = Manner.COMPANION
+    authority: ControlAuthority = ControlAuthority.COMPANION
     finish: Finish = Finish.AS_BEGUN
     faulty: bool = False
     stop: bool = False

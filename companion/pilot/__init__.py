@@ -1,8 +1,8 @@
 """One tick of a flight, pure: what is remembered and what is seen -> what is remembered next and what is done.
 
 memory   what is seen, remembered and done, as values
-aims     what is aimed at in each phase, and how fast the path is flown just now
-sight    what the guards look at, gathered from memory and observation
+targets  what is aimed at in each phase, and how fast the path is flown just now
+inputs   what the guards look at, gathered from memory and observation
 tick     the tick itself
 
 The pilot knows no MAVLink, no clock and no files. Feeding the same observations again gives the same setpoints, bit for
@@ -24,13 +24,13 @@ from companion.pilot.memory import (
     completed,
     wake_at,
 )
-from companion.pilot.tick import DT_MAX, LEVEL_FOR, first, rest, step
+from companion.pilot.tick import DT_MAX, LEVEL_FOR, compute_setpoint, step, supervise
 from companion.steering.steering import Steered
 from companion.vehicle import Mode, VehicleState
 
 __all__ = [
     "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "First", "Memory", "Observation", "Outcome", "Progress", "begin", "completed",
-    "epilogue", "first", "rest", "step", "tilt_of", "wake_at", "yaw_error",
+    "compute_setpoint", "epilogue", "step", "supervise", "tilt_of", "wake_at", "yaw_error",
 ]  # fmt: skip
 
 

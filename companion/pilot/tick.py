@@ -1,7 +1,7 @@
 """One tick: what arrived is taken in, what it changes is decided, and the law is asked.
 
-A tick is ``first`` and then ``rest``. While the path is followed and nothing is the matter, ``first`` has the setpoint
-already, so that it can be on its way before the safety rows and the changes of phase are looked at.
+A tick is ``compute_setpoint`` and then ``supervise``. While the path is followed and nothing is the matter, the first
+has the setpoint already, so that it can be on its way before the safety rows and the changes of phase are looked at.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ import math
 
 from companion.flight import safety
 from companion.flight.bench import lacking, looked
-from companion.flight.conduct import Manner
+from companion.flight.conduct import ControlAuthority
 from companion.flight.guards import STALE_AFTER, STREAM_FIRST, decide
 from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.bare import LawError
-from companion.pilot.aims import STEADY, chosen, end, here, join, neutral, on_path, scaled, turning
+from companion.pilot.inputs import safety_inputs, situation
 from companion.pilot.memory import OWN_MODE, First, Memory, Observation, Outcome, Progress
-from companion.pilot.sight import sight, situation
+from companion.pilot.targets import STEADY, chosen, end, here, join, neutral, on_path, scaled, turning
 from companion.plan import Plan
 from companion.steering.steering import At
 from companion.vehicle import Landed, Mode, VehicleState
@@ -36,19 +36,19 @@ SEARCH_ANEW = 0.5
 """m of an estimator's jump from which on the nearest point is sought on the whole path."""
 
 FAULTS = frozenset({
-    Event.STOP, Event.TAKEN_OVER, Event.FAILSAFE, Event.LOST_POWER, Event.STALE, Event.LAW_FAILED, Event.LOST,
-    Event.UNSAFE, Event.REFUSED, Event.TIMED_OUT,
+    Event.STOP, Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY, Event.STALE, Event.LAW_FAILED,
+    Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED, Event.REFUSED, Event.TIMED_OUT,
 })  # fmt: skip
 """The events after which a flight is not completed."""
 
 
 def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, Outcome]:
     """One tick, whole. ``now``: s, our monotonic clock."""
-    memory, early = first(plan, memory, seen, now)
-    return rest(plan, memory, seen, now, early)
+    memory, early = compute_setpoint(plan, memory, seen, now)
+    return supervise(plan, memory, seen, now, early)
 
 
-def first(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, First | None]:
+def compute_setpoint(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, First | None]:
     """What arrived is taken in; and the setpoint for it, where it may go out before the rest of the tick.
 
     The nearest point of the path is then that of the last state: all that hangs on it here is the factor on the speed
@@ -84,11 +84,11 @@ def _calm(memory: Memory, seen: Observation) -> bool:
     )
 
 
-def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
-    """The rest of the tick, after ``first`` gave ``memory`` and ``early``."""
+def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
+    """The rest of the tick, after ``compute_setpoint`` gave ``memory`` and ``early``."""
     if seen.state is not None and seen.state is memory.state:
         memory = _progressed(plan, memory, seen.state)
-    since, verdict = safety.watched(memory.since, sight(plan, memory, seen, now), plan.conduct.limits, now)
+    since, verdict = safety.watched(memory.since, safety_inputs(plan, memory, seen, now), plan.conduct.limits, now)
     if since is not memory.since:
         memory = memory._replace(since=since)
     if early is not None:
@@ -102,7 +102,7 @@ def rest(plan: Plan, memory: Memory, seen: Observation, now: float, early: First
         return memory, Outcome(early.steered.setpoint, request, tuple(notes), early.steered, early.ramp)
     steered, ramp, setpoint = None, STEADY, None
     fresh = seen.state is not None and seen.state is memory.state
-    if memory.phase is Phase.REHEARSE and plan.conduct.manner is Manner.BENCH:
+    if memory.phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
         memory = _shown(plan, memory, notes) if fresh else memory
     elif fresh and PHASES[memory.phase].steers and memory.phase is not Phase.ABORT:
         try:
@@ -180,7 +180,7 @@ def _decided(
             return memory
         phase, event, reason = decision
         notes.append(f"{memory.phase.value} -> {phase.value}: {reason}")
-        if phase is Phase.REHEARSE and plan.conduct.manner is Manner.BENCH:
+        if phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
             notes.append(f"tilt the vehicle by hand, 15 degrees to every side: {lacking(memory.shown)}")
         memory = _entered(plan, memory, phase, event, reason, verdict, now)
 
@@ -190,7 +190,7 @@ def _entered(
 ) -> Memory:
     came_from = memory.phase
     if memory.first_fault is None and event in FAULTS:
-        advice = verdict.advice if event in (Event.LOST, Event.UNSAFE) else None
+        advice = verdict.advice if event in (Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED) else None
         memory = memory._replace(first_fault=reason, fault_event=event, advice=advice)
     memory = memory._replace(
         phase=phase,
@@ -221,7 +221,7 @@ def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | 
         return join(plan, state, memory.leg)
     if phase is Phase.REST:
         return on_path(plan, end(plan, memory.leg))
-    if phase is Phase.HAND_BACK and plan.conduct.manner is not Manner.PILOT:
+    if phase is Phase.HAND_BACK and plan.conduct.authority is not ControlAuthority.PILOT:
         return memory.aim
     if phase in (Phase.TAKE_OVER, Phase.HAND_BACK) or memory.aim is None:
         return here(plan, state)
@@ -266,7 +266,7 @@ def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
 
 def _request(plan: Plan, memory: Memory, seen: Observation, now: float) -> Request | None:
     phase = memory.phase
-    if plan.conduct.manner is not Manner.COMPANION:
+    if plan.conduct.authority is not ControlAuthority.COMPANION:
         return None  # the pilot arms and changes the mode, nobody else
     if phase is Phase.TAKE_OVER and now - memory.entered < STREAM_FIRST:
         return None

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from companion.flight.conduct import told
+from companion.flight.conduct import to_dict
 from companion.flight.phases import Phase, Request
 from companion.flight.situation import Reply
 from companion.pilot import Memory, Observation, Outcome
@@ -91,7 +91,7 @@ class Recorder:
             "turn_rad": plan.mission.placement.turn,
             "duration_s": plan.duration,
             "tuning": plan.tuning._asdict(),
-            "conduct": told(plan.conduct),
+            "conduct": to_dict(plan.conduct),
             "learned": None if plan.learned is None else plan.learned._asdict(),
             "begun_at": now,
             "epoch": self.epoch,

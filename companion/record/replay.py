@@ -15,7 +15,7 @@ from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.vehicle import vehicle_from
 from companion.estimation.learned import Learned
 from companion.feasibility.auto import flyable
-from companion.flight.conduct import untold
+from companion.flight.conduct import from_dict
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
 from companion.record.table import Table, load_table
@@ -51,7 +51,7 @@ def load_flight(directory: Path) -> Recorded:
         turn = float(resolved["turn_rad"])
         begun_at = float(resolved["begun_at"])
         tuning = Tuning(**resolved["tuning"])
-        conduct = untold(resolved["conduct"])
+        conduct = from_dict(resolved["conduct"])
         learned = None if resolved.get("learned") is None else Learned(**resolved["learned"])
         mission = _document(directory / "mission.yaml")
         vehicle = _document(directory / "vehicle.yaml")

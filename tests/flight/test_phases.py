@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.flight.conduct import Finish, Manner
+from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.guards import CONFIRM_WITHIN, GUARDS, STALE_AFTER, decide
 from companion.flight.phases import EXITS, FLOWN, PHASES, PRE_EMPTIONS, TRANSITIONS, Event, Phase, Request, diagram
 from companion.flight.safety import Action, Verdict, table
@@ -61,13 +61,13 @@ def test_a_fault_pre_empts_every_phase_that_steers(phase: Phase) -> None:
     assert disarmed is not None
     assert disarmed[0] is Phase.RELEASE
     lost = decide(situation(phase, verdict=Verdict(Action.ABORT, "the vehicle leans")))
-    assert lost == (Phase.ABORT, Event.LOST, "the vehicle leans")
+    assert lost == (Phase.ABORT, Event.ABORT_REQUIRED, "the vehicle leans")
 
 
 @pytest.mark.parametrize("phase", [Phase.TAKE_OVER, *FLOWN])
 def test_a_guard_hands_back_from_every_phase_that_flies(phase: Phase) -> None:
     unsafe = decide(situation(phase, verdict=Verdict(Action.HAND_BACK, "the battery is at 5 %")))
-    assert unsafe == (Phase.HAND_BACK, Event.UNSAFE, "the battery is at 5 %")
+    assert unsafe == (Phase.HAND_BACK, Event.HAND_BACK_REQUIRED, "the battery is at 5 %")
 
 
 def test_a_fault_wins_over_progress() -> None:
@@ -97,14 +97,14 @@ def test_a_failsafe_is_left_alone_and_offboard_let_go_of() -> None:
 
 
 def test_a_pilot_may_leave_and_come_back() -> None:
-    on = situation(Phase.STAND_BY, manner=Manner.PILOT)
+    on = situation(Phase.STAND_BY, authority=ControlAuthority.PILOT)
     assert decide(on) == (Phase.SETTLE, Event.IN_OFFBOARD, "the pilot selected OFFBOARD")
     assert decide(on._replace(status=FLYING._replace(landed=Landed.ON_GROUND))) is None
     left = decide(situation(
-        Phase.FOLLOW, manner=Manner.PILOT, status=FLYING._replace(mode=Mode.POSITION, intended=Mode.POSITION)
+        Phase.FOLLOW, authority=ControlAuthority.PILOT, status=FLYING._replace(mode=Mode.POSITION, intended=Mode.POSITION)
     ))  # fmt: skip
     assert left == (Phase.STAND_BY, Event.LEFT_OFFBOARD, "the pilot took over: the mode is Position now")
-    assert decide(situation(Phase.HAND_BACK, manner=Manner.PILOT, now=1000.0, state_at=1000.0)) is None
+    assert decide(situation(Phase.HAND_BACK, authority=ControlAuthority.PILOT, now=1000.0, state_at=1000.0)) is None
 
 
 def test_a_late_report_of_the_old_mode_is_not_a_human() -> None:
@@ -185,7 +185,7 @@ def test_random_walks_never_raise_and_always_end() -> None:
                     state_at=rng.choice((None, now, now - 1.0)),
                     answer=None if request is None else rng.choice((None, Answer(request, rng.choice(list(Reply))))),
                     from_ground=rng.random() < 0.5,
-                    manner=rng.choice(list(Manner)),
+                    authority=rng.choice(list(ControlAuthority)),
                     finish=rng.choice(list(Finish)),
                     faulty=rng.random() < 0.5,
                     stop=rng.random() < 0.02,

@@ -11,7 +11,7 @@ from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.flight import safety
 from companion.flight.conduct import Limits
-from companion.flight.safety import NOTHING_SINCE, ROWS, Action, Sight, watched
+from companion.flight.safety import NOTHING_SINCE, ROWS, Action, SafetyInputs, watched
 from companion.law.feedback import Bounds
 from companion.law.flight import Command, Flying, Ramp, curve_law, implicit_law, model_of
 from companion.law.gains import Level, default_gains
@@ -23,10 +23,10 @@ from companion.profiles import ConstantSpeed, ConstantYaw
 from companion.vehicle import VehicleStatus
 
 LIMITS = Limits(tilt=math.radians(58.0))
-CALM = Sight(VehicleStatus(), following=True)
+CALM = SafetyInputs(VehicleStatus(), following=True)
 
 
-def after(seconds: float, sight: Sight, limits: Limits = LIMITS) -> Action:
+def after(seconds: float, sight: SafetyInputs, limits: Limits = LIMITS) -> Action:
     since, _ = watched(NOTHING_SINCE, sight, limits, 0.0)
     return watched(since, sight, limits, seconds)[1].action
 

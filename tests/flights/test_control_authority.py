@@ -1,4 +1,4 @@
-"""Whole flights in lockstep, in every manner: the companion's, the pilot's, rehearsed, on the bench; every ending."""
+"""Whole flights in lockstep, under every control authority: the companion's, the pilot's, rehearsed, on the bench; every ending."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from companion.flight.bench import WRONG_FOR, Shown, fault, looked
-from companion.flight.conduct import Conduct, Finish, Manner
+from companion.flight.conduct import Conduct, ControlAuthority, Finish
 from companion.flight.phases import Phase
 from companion.frames import quaternion_from_euler
 from companion.mavlink.codec import Decoder, Encoder
@@ -133,7 +133,7 @@ def test_the_pilot_begins_leaves_and_comes_back() -> None:
         if math.isclose(now, 18.0, abs_tol=1e-6):
             flown.conductor.stop()
 
-    flown = flight(level=OutputLevel.RATES, duration=None, conduct=Conduct(Manner.PILOT), meddle=fly_by_hand)
+    flown = flight(level=OutputLevel.RATES, duration=None, conduct=Conduct(ControlAuthority.PILOT), meddle=fly_by_hand)
     assert phases(flown) == [
         "stand by", "settle", "join", "follow", "stand by", "settle", "join", "follow", "stand by", "done",
     ]  # fmt: skip
@@ -154,7 +154,7 @@ def test_when_the_pilots_time_is_over_it_is_held_until_he_takes_it() -> None:
             Operator(flown.between.bridge).commands(SET_MODE, *OFFBOARD)
         takes(flown, now)
 
-    flown = flight(level=OutputLevel.RATES, duration=3.0, conduct=Conduct(Manner.PILOT), meddle=fly_by_hand)
+    flown = flight(level=OutputLevel.RATES, duration=3.0, conduct=Conduct(ControlAuthority.PILOT), meddle=fly_by_hand)
     memory = flown.conductor.memory
     assert memory is not None
     assert completed(memory), flown.notes
@@ -172,7 +172,7 @@ def test_on_the_ground_the_pilots_offboard_does_not_take_off() -> None:
         if math.isclose(now, 9.0, abs_tol=1e-6):
             flown.conductor.stop()
 
-    flown = flight(level=OutputLevel.RATES, from_ground=True, conduct=Conduct(Manner.PILOT), meddle=arm)
+    flown = flight(level=OutputLevel.RATES, from_ground=True, conduct=Conduct(ControlAuthority.PILOT), meddle=arm)
     assert phases(flown) == ["stand by", "done"]
     assert flown.between.bridge.autopilot.commander.armed
     assert flown.between.truth.on_ground
@@ -182,7 +182,7 @@ def test_on_the_ground_the_pilots_offboard_does_not_take_off() -> None:
 @pytest.mark.parametrize("from_ground", [True, False])
 def test_a_dry_run_commands_nothing(from_ground: bool) -> None:
     flown = flight(
-        level=OutputLevel.RATES, from_ground=from_ground, duration=3.0, conduct=Conduct(Manner.REHEARSAL)
+        level=OutputLevel.RATES, from_ground=from_ground, duration=3.0, conduct=Conduct(ControlAuthority.REHEARSAL)
     )  # fmt: skip
     memory = flown.conductor.memory
     assert memory is not None
@@ -212,7 +212,7 @@ def test_the_bench_shows_that_commands_point_back() -> None:
 
         flown.between.down = by_hand
 
-    flown = flight(level=OutputLevel.RATES, from_ground=True, conduct=Conduct(Manner.BENCH), prepare=tilt)
+    flown = flight(level=OutputLevel.RATES, from_ground=True, conduct=Conduct(ControlAuthority.BENCH), prepare=tilt)
     memory = flown.conductor.memory
     assert memory is not None
     assert completed(memory), flown.notes

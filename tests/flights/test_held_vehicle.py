@@ -1,14 +1,14 @@
 """A vehicle that somebody holds is waited for; one that tumbles is not."""
 
 from companion.flight.conduct import Limits
-from companion.flight.safety import NOTHING_SINCE, Action, Sight, watched
+from companion.flight.safety import NOTHING_SINCE, Action, SafetyInputs, watched
 from companion.vehicle import VehicleStatus
 
 LIMITS = Limits(tilt=1.0)
-HELD = Sight(VehicleStatus(), following=True, rate_error=3.9, turning=0.0, still=True, saturated=True)
+HELD = SafetyInputs(VehicleStatus(), following=True, rate_error=3.9, turning=0.0, still=True, saturated=True)
 
 
-def after(seconds: float, sight: Sight) -> Action:
+def after(seconds: float, sight: SafetyInputs) -> Action:
     since, _ = watched(NOTHING_SINCE, sight, LIMITS, 0.0)
     return watched(since, sight, LIMITS, seconds)[1].action
 

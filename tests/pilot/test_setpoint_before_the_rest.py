@@ -33,15 +33,15 @@ def following() -> tuple[Plan, Tick]:
 
 def early(plan: Plan, memory: Memory, seen: Observation, now: float) -> bool:
     """Whether the setpoint would go out first."""
-    return pilot.first(plan, memory, seen, now)[1] is not None
+    return pilot.compute_setpoint(plan, memory, seen, now)[1] is not None
 
 
 def test_the_setpoint_goes_first_and_is_the_tick_s(following: tuple[Plan, Tick]) -> None:
     plan, tick = following
-    memory, first = pilot.first(plan, tick.before, tick.seen, tick.now)
+    memory, first = pilot.compute_setpoint(plan, tick.before, tick.seen, tick.now)
     assert first is not None
     assert first.steered.setpoint == tick.outcome.setpoint
-    assert pilot.rest(plan, memory, tick.seen, tick.now, first) == (tick.memory, tick.outcome)
+    assert pilot.supervise(plan, memory, tick.seen, tick.now, first) == (tick.memory, tick.outcome)
 
 
 def test_what_must_stop_the_setpoint_is_never_late(following: tuple[Plan, Tick]) -> None:

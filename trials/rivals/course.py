@@ -17,7 +17,7 @@ from companion.frames import Vec3
 from companion.law.gains import Level
 from companion.mission import Mission
 from companion.paths.curve import Curve
-from companion.pilot.aims import smooth_start
+from companion.pilot.targets import smooth_start
 from companion.plan import RAMP_ACCELERATION
 
 SAMPLES = 2000

@@ -17,7 +17,7 @@ from rotorpy.vehicles.hummingbird_params import quad_params
 from rotorpy.vehicles.multirotor import Multirotor
 
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix, tilt
-from companion.pilot.aims import smooth_start
+from companion.pilot.targets import smooth_start
 from companion.plan import Plan
 from companion.steering.steering import Along
 from companion.vehicle import Limits, RateSetpoint, Rotor, Spin, Vehicle, VehicleState

@@ -6,12 +6,12 @@ import math
 
 from companion.flight import preflight, safety
 from companion.flight.bench import fault as bench_fault
-from companion.flight.conduct import Manner
+from companion.flight.conduct import ControlAuthority
 from companion.flight.phases import FLOWN, PHASES, Phase
 from companion.flight.situation import Situation
 from companion.frames import tilt
-from companion.pilot.aims import END_WITHIN, goes_back, is_at, remaining
 from companion.pilot.memory import Memory, Observation
+from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining
 from companion.plan import Plan
 from companion.vehicle import RateSetpoint
 
@@ -21,16 +21,16 @@ STILL = 0.15
 """m/s and rad/s below which the vehicle stands."""
 
 
-def sight(plan: Plan, memory: Memory, seen: Observation, now: float) -> safety.Sight:
+def safety_inputs(plan: Plan, memory: Memory, seen: Observation, now: float) -> safety.SafetyInputs:
     """What the safety rows look at at ``now``, s by our clock."""
     state, progress, limits = memory.state, memory.progress, plan.conduct.limits
     if state is None:
-        return safety.Sight(seen.status, rate=seen.rate, companions=seen.companions)
+        return safety.SafetyInputs(seen.status, rate=seen.rate, companions=seen.companions)
     x, y, z = state.p_n
     fence, home = plan.mission.fence_n, limits.home
     steered = memory.steered if memory.phase in FLOWN else None
     asked = None if steered is None else steered.setpoint
-    return safety.Sight(
+    return safety.SafetyInputs(
         status=seen.status,
         following=memory.phase is Phase.FOLLOW and memory.reached,
         path_error=0.0 if progress is None else progress.path_error,
@@ -65,7 +65,7 @@ def situation(
     if memory.phase is Phase.PREFLIGHT:
         has_state = memory.state is not None
         missing = preflight.missing(preflight.Standing(
-            seen.status, conduct.manner, conduct.finish, conduct.limits, has_state, seen.rate, seen.companions
+            seen.status, conduct.authority, conduct.finish, conduct.limits, has_state, seen.rate, seen.companions
         ))  # fmt: skip
     at_end = memory.phase is Phase.FOLLOW and remaining(plan, memory) < END_WITHIN
     return Situation(
@@ -77,7 +77,7 @@ def situation(
         state_at=memory.state_at,
         answer=memory.answer,
         from_ground=memory.from_ground,
-        manner=conduct.manner,
+        authority=conduct.authority,
         finish=conduct.finish,
         faulty=memory.first_fault is not None,
         stop=seen.stop,
@@ -98,7 +98,7 @@ def _finished(plan: Plan, memory: Memory, now: float) -> str | None:
     if state is None:
         return None
     if memory.phase is Phase.REHEARSE:
-        if conduct.manner is Manner.BENCH:
+        if conduct.authority is ControlAuthority.BENCH:
             return "every side was shown, and the command turned it back" if memory.shown.complete else None
         lasts = plan.duration or REHEARSED_FOR
         return f"rehearsed for {lasts:g} s: nothing was commanded" if now - memory.entered >= lasts else None
