@@ -8,8 +8,9 @@ from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.frames import rotation_from_euler
 from companion.law.feedback import Bounds
-from companion.law.flight import Flying, Ramp, implicit_law, model_of
+from companion.law.flight import Flying, implicit_law, model_of
 from companion.law.gains import Level, default_gains
+from companion.law.speed_scale import SpeedScale
 
 BUDGET_US = 25.0
 
@@ -19,7 +20,7 @@ def main() -> None:
     vehicle = load_vehicle("x500")
     r_nb = rotation_from_euler(0.1, 0.1, -0.1)
     flying = Flying((0.3, 5.2, -10.1), (2.9, 0.1, 0.0), r_nb, 19.0, (0.1, 0.0, 0.1), 0.5, drag=0.2)
-    ramp = Ramp()
+    ramp = SpeedScale()
     print("level    bounds  us a step (best of 7)")
     for level in Level:
         mission = load_mission("circle_r5", level)

@@ -14,8 +14,9 @@ from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.frames import rotation_from_euler
 from companion.law.feedback import Bounds
-from companion.law.flight import CurveLaw, Flying, Ramp, curve_law, model_of
+from companion.law.flight import CurveLaw, Flying, curve_law, model_of
 from companion.law.gains import Level, default_gains
+from companion.law.speed_scale import SpeedScale
 from companion.mission import Mission
 from companion.paths.curve import Curve
 from companion.profiles import ConstantSpeed
@@ -76,7 +77,7 @@ def states(mission: Mission, count: int) -> list[Flying]:
 
 def step_time(law: CurveLaw, flying: list[Flying]) -> float:
     """us a step."""
-    ramp = Ramp()
+    ramp = SpeedScale()
     begun = time.perf_counter()
     for state in flying:
         law(state, ramp)

@@ -15,10 +15,10 @@ from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
 from companion.profiles import SpeedProfile, YawProfile
+from companion.steering.assembly import rate_steering
 from companion.steering.encoding import AsRates, as_attitude
 from companion.steering.motors import motor_steering
-from companion.steering.pace import Course, course_of
-from companion.steering.rates import rate_steering
+from companion.steering.speed_governor import Course, course_of
 from companion.steering.steering import Steering
 from companion.vehicle import OutputLevel, Tuning, Vehicle
 

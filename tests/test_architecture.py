@@ -25,10 +25,10 @@ MAY_IMPORT: dict[str, str] = {
     "mission": "frames fence calculus vehicle paths profiles law",
     "places": "frames fence geodesy plans vehicle paths profiles mission",
     "allocation": "vehicle",
+    "thrust_range": "vehicle",
     "estimation": "frames calculus vehicle",
-    "steering": "frames vehicle paths law allocation estimation",
-    # steering: the range in which the thrust is kept is one of the limits
-    "feasibility": "frames fence calculus vehicle paths profiles law allocation mission steering",
+    "steering": "frames vehicle paths law allocation thrust_range estimation",
+    "feasibility": "frames fence calculus vehicle paths profiles law allocation thrust_range mission",
     "flight": "vehicle fence",
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "pilot": "frames vehicle law paths mission steering flight plan",

@@ -12,7 +12,8 @@ from typing import Any, TextIO
 from companion.allocation import Allocation
 from companion.calculus.vectors import Vector
 from companion.frames import Vec3
-from companion.law.bare import Answer, LawError, bare_law, state_names
+from companion.law.bare import Answer, bare_law, state_names
+from companion.law.errors import LawError
 from companion.law.gains import Level, default_gains
 from companion.law.motion import Model
 from companion.mission import Mission

@@ -67,7 +67,7 @@ class GroundSide:
         steered, progress = outcome.steered, memory.progress
         if steered is not None and progress is not None and memory.state is not None and memory.phase in FLOWN:
             command = steered.command
-            wanted = command.alpha * outcome.ramp.factor
+            wanted = command.alpha * outcome.ramp.value
             self._announcer.numbers(now, memory.state.t_boot, {
                 "pf_path": progress.path_error,
                 "pf_speed": command.speed - wanted,

@@ -1,7 +1,12 @@
 """What the vehicle does not say: what it is, and where it will be when a command acts.
 
-response     how its rate loop and motors answer a command
-prediction   a state advanced by a short time, under the commands already sent
-kalman       position, velocity, thrust scale, drag, disturbance, the estimator's own bias
-observer     what keeps the filter honest: freezing, bounds, noise, jumps
+vehicle_estimate         the estimate block: all of the following, carried from state to state
+rate_loop_model          how its rate loop and motors answer a command
+rate_loop_identification the lag and gain of its rate loop
+kalman                   position, velocity, thrust scale, drag, disturbance, the bias of the reported velocity
+estimator                what keeps the filter consistent: freezing, clamps, noise, resets
+predictor                a state advanced by a short time, under the commands already sent
+link_delay               the dead time
+translation              the translational acceleration
+learned                  what one flight leaves for the next
 """

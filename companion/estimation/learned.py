@@ -5,15 +5,22 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.estimation.observer import DRAG_DOUBT, KAPPA_DOUBT, Prior
+from companion.estimation.estimator import DRAG_STD, THRUST_SCALE_STD, Prior
 
-HOVER_RANGE, DRAG_RANGE, LAG_RANGE = (0.1, 0.9), (0.0, 2.5), (0.01, 0.3)
-FRESH_KAPPA, FRESH_DRAG = 0.05, 0.15
-"""Doubt about the thrust scale and the drag (1/s) just after a flight: another battery, load or propeller."""
+HOVER_RANGE = (0.1, 0.9)
+"""Normalised hover thrusts that a vehicle can have. PX4 takes MPC_THR_HOVER from 0.1 to 0.8."""
+DRAG_RANGE = (0.0, 2.5)
+"""1/s, as the estimator's."""
+LAG_RANGE = (0.01, 0.3)
+"""s, of a rate loop that flies. Engineering choice."""
+FRESH_THRUST_SCALE_STD = 0.05
+"""Standard deviation of the thrust scale just after a flight: another battery, load or propeller."""
+FRESH_DRAG_STD = 0.15
+"""1/s, the same of the drag."""
 AGEING = 30.0
-"""days after which the doubt is that of a vehicle never flown."""
-FLOWN_MIN = 15.0
-"""s of flight that are worth remembering."""
+"""days after which the standard deviation is that of a vehicle never flown. Engineering choice."""
+FLIGHT_TIME_MIN = 15.0
+"""s of flight that are worth remembering. Engineering choice."""
 
 
 class Learned(NamedTuple):
@@ -41,10 +48,10 @@ def prior_of(learned: Learned | None, hover_thrust: float, drag: float) -> Prior
     """What is believed before a flight. ``hover_thrust``, ``drag``: as told by the vehicle and its file; what was
     learned replaces them as far as it is fresh."""
     if learned is None or not sane(learned):
-        return Prior(drag=(drag, DRAG_DOUBT))
+        return Prior(drag=(drag, DRAG_STD))
     old = min(1.0, learned.age_days / AGEING)
-    kappa = hover_thrust / learned.hover_thrust
+    thrust_scale = hover_thrust / learned.hover_thrust
     return Prior(
-        kappa=(kappa, FRESH_KAPPA + (KAPPA_DOUBT - FRESH_KAPPA) * old),
-        drag=(learned.drag + (drag - learned.drag) * old, FRESH_DRAG + (DRAG_DOUBT - FRESH_DRAG) * old),
+        thrust_scale=(thrust_scale, FRESH_THRUST_SCALE_STD + (THRUST_SCALE_STD - FRESH_THRUST_SCALE_STD) * old),
+        drag=(learned.drag + (drag - learned.drag) * old, FRESH_DRAG_STD + (DRAG_STD - FRESH_DRAG_STD) * old),
     )

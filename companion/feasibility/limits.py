@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from companion.allocation import Allocation
 from companion.feasibility.demand import Demand, without_yaw
 from companion.law.feedback import Bounds
-from companion.steering.thrust import THRUST_SHARE_MAX, ZETA_MAX, ZETA_MIN
+from companion.thrust_range import THRUST_USED_MAX, ZETA_MAX, ZETA_MIN
 from companion.vehicle import MotorInterface, Vehicle
 
 Array = NDArray[np.float64]
@@ -82,7 +82,7 @@ def quantities(asked: Demand, vehicle: Vehicle) -> list[Quantity]:
             asked.thrust,
             weight,
             -none if limits is None else ZETA_MIN * weight,
-            none if limits is None else min(ZETA_MAX * weight, THRUST_SHARE_MAX * vehicle.thrust_max),
+            none if limits is None else min(ZETA_MAX * weight, THRUST_USED_MAX * vehicle.thrust_max),
         ),
         Quantity("tilt_deg", np.degrees(asked.tilt), 0.0, -none, math.degrees(tilt_limit(vehicle))),
     ]

@@ -23,7 +23,7 @@ Equation -> function -> test
     Def. 3.1               paths.implicit, paths.tracing              test_tracing
     Def. 3.2, Eq. 3        implicit.outputs                           test_law_exact
     Def. 3.3               implicit.outputs, feedback.wanted_heading_acceleration    test_law_exact
-    Eq. 4                  steering.motors.Extension, steering.thrust     test_steering
+    Eq. 4                  steering.motors.Extension, thrust_range     test_steering
     Lemma 4.1, det D       lie.linearise                              test_law_exact.test_determinant_of_D
     Eq. 6                  reference.reference                        test_closed_loop.test_invariance
     Eq. 7                  implicit.outputs (mu)                      test_law_exact
@@ -71,7 +71,7 @@ What is wrong in the paper, and what is used here
         V = (-1, 0, 0) at (0, 10) flies backwards, mu . V = -1.
 
 Where we depart from it, because a machine has limits: errors are saturated (feedback.Bounds), zeta and zeta_dot are
-bounded (steering.thrust), linear drag enters A, J and S (motion), and the law is evaluated where its command acts: half
+bounded (thrust_range), linear drag enters A, J and S (motion), and the law is evaluated where its command acts: half
 a step and the rotors' lag ahead (steering.motors). A mission may have h4 on the twist instead of psi (frames.Heading,
 flatness.HeadingRate): the relative degree is the same, and det D has 1 in the place of cos(phi)/cos(theta), so that phi
 and theta of +-90 deg are singular no more.

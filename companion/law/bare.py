@@ -14,19 +14,15 @@ import numpy as np
 from companion.calculus.straight import Function, Tape
 from companion.calculus.vectors import ZERO, Rotation, Vector
 from companion.frames import Heading, rotation_from_euler
+from companion.law.errors import LawError
 from companion.law.gains import Gains, Level
 from companion.law.implicit import Specification
 from companion.law.lie import linear_feedback, linearise, solve
 from companion.law.motion import Model, Motion
-from companion.vehicle import CompanionError
 
 SINGULAR = 1e-9
 """How near to a singularity a state may come before it is called singular: of cos(phi), cos(theta), zeta in N, and the
-sine of the angle between the gradients."""
-
-
-class LawError(CompanionError):
-    """A state where the law is not defined (Lemma 4.1), or outside the domain of the mission's expressions."""
+sine of the angle between the gradients. Engineering choice: a million times rounding."""
 
 
 STATE_NAMES = ("x", "y", "z", "psi", "theta", "phi", "u", "v", "w", "p", "q", "r", "zeta", "zeta_dot")

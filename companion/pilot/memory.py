@@ -10,7 +10,7 @@ from companion.flight.phases import Event, Phase, Request
 from companion.flight.safety import NOTHING_SINCE, Since
 from companion.flight.situation import Answer
 from companion.frames import Vec3
-from companion.law.flight import Ramp
+from companion.law.speed_scale import UNITY, SpeedScale
 from companion.steering.steering import At, Steered, SteeringMemory
 from companion.vehicle import Mode, Setpoint, VehicleState, VehicleStatus
 
@@ -75,7 +75,7 @@ class Memory(NamedTuple):
     legs: int = 0
     aim: At | None = None
     reached: bool = False
-    scale: tuple[float, float] = (1.0, 0.0)
+    scale: SpeedScale = UNITY
     jump: float = 0.0
     clock_jump: float = 0.0
     same_place: bool = False
@@ -105,7 +105,7 @@ class Outcome(NamedTuple):
     request: Request | None
     notes: tuple[str, ...]
     steered: Steered | None
-    ramp: Ramp
+    ramp: SpeedScale
 
 
 class First(NamedTuple):
@@ -113,8 +113,8 @@ class First(NamedTuple):
     ``scale`` as in Memory."""
 
     steered: Steered
-    ramp: Ramp
-    scale: tuple[float, float]
+    ramp: SpeedScale
+    scale: SpeedScale
 
 
 def begin(now: float) -> Memory:

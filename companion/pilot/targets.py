@@ -6,15 +6,13 @@ import math
 
 from companion.flight.phases import Phase
 from companion.frames import Vec3, conjugate, multiply
-from companion.law.flight import Ramp
+from companion.law.speed_scale import BACKWARDS, STANDSTILL, UNITY, SpeedScale
 from companion.mission import Repeat
 from companion.pilot.memory import Memory
 from companion.plan import RAMP_ACCELERATION, Plan
 from companion.steering.steering import Aim, Along, At
 from companion.vehicle import AttitudeSetpoint, MotorSetpoint, RateSetpoint, Setpoint, VehicleState
 
-STEADY = Ramp()
-STANDING = Ramp(0.0, 0.0, 0.0)
 BRAKE_SHARE = 0.77
 """The braking x (2 - x) of the speed over the last stretch is steepest by this share of v^2 over its length."""
 END_WITHIN = 0.35
@@ -73,7 +71,7 @@ def goes_back(plan: Plan, memory: Memory) -> bool:
     return plan.laps is None or memory.legs + 1 < plan.laps
 
 
-def chosen(plan: Plan, memory: Memory) -> tuple[Aim, Ramp]:
+def chosen(plan: Plan, memory: Memory) -> tuple[Aim, SpeedScale]:
     """What the law is to do in the present phase, and the factor on the speed."""
     phase, progress = memory.phase, memory.progress
     assert progress is not None
@@ -83,73 +81,60 @@ def chosen(plan: Plan, memory: Memory) -> tuple[Aim, Ramp]:
     if memory.aim is None or along:
         ramp = _ramp(plan, memory)
         return Along(progress.s, ramp), ramp
-    return memory.aim, STANDING
+    return memory.aim, STANDSTILL
 
 
-def scaled(memory: Memory, wanted: float, dt: float) -> tuple[float, float]:
-    """The factor on the speed and its rate, ``dt`` s later."""
-    factor, rate = memory.scale
-    if wanted == factor and rate == 0.0:
-        return factor, rate
-    rate += dt * SCALE_RATE * (SCALE_RATE * (wanted - factor) - 2.0 * rate)
-    factor += dt * rate
-    return (wanted, 0.0) if abs(wanted - factor) < 1e-5 and abs(rate) < 1e-5 else (factor, rate)
+def scaled(memory: Memory, wanted: float, dt: float) -> SpeedScale:
+    """The ground station's factor on the speed, ``dt`` s later."""
+    value, rate, _ = memory.scale
+    if wanted == value and rate == 0.0:
+        return memory.scale
+    rate += dt * SCALE_RATE * (SCALE_RATE * (wanted - value) - 2.0 * rate)
+    value += dt * rate
+    return SpeedScale(wanted) if abs(wanted - value) < 1e-5 and abs(rate) < 1e-5 else SpeedScale(value, rate)
 
 
-def _ramp(plan: Plan, memory: Memory) -> Ramp:
+def _ramp(plan: Plan, memory: Memory) -> SpeedScale:
     """The factor on alpha: the start, the end of an open path, what the user asks for, and the sign of the leg."""
-    factor, rate = memory.scale
-    ramp = _product(_start(plan, memory), _brake(plan, memory))
-    if factor != 1.0 or rate != 0.0:
-        ramp = _product(ramp, Ramp(factor, rate, 0.0))
-    return ramp if memory.leg > 0.0 else Ramp(-ramp.factor, -ramp.rate, -ramp.acceleration)
+    scale = _start(plan, memory) * _brake(plan, memory) * (UNITY if memory.scale == UNITY else memory.scale)
+    return scale if memory.leg > 0.0 else scale * BACKWARDS
 
 
-def _product(a: Ramp, b: Ramp) -> Ramp:
-    if b is STEADY:
-        return a
-    return Ramp(
-        a.factor * b.factor,
-        a.rate * b.factor + a.factor * b.rate,
-        a.acceleration * b.factor + 2.0 * a.rate * b.rate + a.factor * b.acceleration,
-    )
-
-
-def _start(plan: Plan, memory: Memory) -> Ramp:
+def _start(plan: Plan, memory: Memory) -> SpeedScale:
     """A smooth step in time, because a speed that rises with displacement alone never starts."""
     if plan.ramp_time == 0.0:
-        return STEADY
+        return UNITY
     if memory.leg_from is None or memory.state is None:
-        return STANDING
+        return STANDSTILL
     return smooth_start(memory.state.t_boot - memory.leg_from, plan.ramp_time)
 
 
-def smooth_start(since: float, T: float) -> Ramp:
+def smooth_start(since: float, T: float) -> SpeedScale:
     """The factor on alpha ``since`` s after a start that takes ``T`` s: from 0 to 1 without a corner in its rate."""
     t = since / T
     if t >= 1.0:
-        return STEADY
-    return Ramp(
+        return UNITY
+    return SpeedScale(
         t**3 * (10.0 - 15.0 * t + 6.0 * t * t),
         30.0 * t * t * (1.0 - t) ** 2 / T,
         60.0 * t * (1.0 - t) * (1.0 - 2.0 * t) / T**2,
     )
 
 
-def _brake(plan: Plan, memory: Memory) -> Ramp:
+def _brake(plan: Plan, memory: Memory) -> SpeedScale:
     """Towards an open end the speed falls as x (2 - x) over the last stretch: bounded, and no jerk where it begins."""
     left = remaining(plan, memory)
     if left == math.inf or memory.progress is None or plan.conduct.at_once:
-        return STEADY
+        return UNITY
     alpha = abs(plan.mission.alpha(memory.progress.s))
     stretch = max(BRAKE_SHARE * alpha * alpha / RAMP_ACCELERATION, 2.0 * END_WITHIN)
     x = left / stretch
     if x >= 1.0:
-        return STEADY
+        return UNITY
     b, slope, bend = x * (2.0 - x), 2.0 * (1.0 - x), -2.0
     speed = b * alpha
     rate = -slope * speed / stretch
-    return Ramp(b, rate, (bend * speed * speed / stretch - slope * alpha * rate) / stretch)
+    return SpeedScale(b, rate, (bend * speed * speed / stretch - slope * alpha * rate) / stretch)
 
 
 def turning(plan: Plan, state: VehicleState) -> Vec3:

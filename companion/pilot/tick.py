@@ -14,10 +14,11 @@ from companion.flight.conduct import ControlAuthority
 from companion.flight.guards import STALE_AFTER, STREAM_FIRST, decide
 from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
-from companion.law.bare import LawError
+from companion.law.errors import LawError
+from companion.law.speed_scale import UNITY
 from companion.pilot.inputs import safety_inputs, situation
 from companion.pilot.memory import OWN_MODE, First, Memory, Observation, Outcome, Progress
-from companion.pilot.targets import STEADY, chosen, end, here, join, neutral, on_path, scaled, turning
+from companion.pilot.targets import chosen, end, here, join, neutral, on_path, scaled, turning
 from companion.plan import Plan
 from companion.steering.steering import At
 from companion.vehicle import Landed, Mode, VehicleState
@@ -100,7 +101,7 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
             memory = memory._replace(flew=True)
         request = _request(plan, memory, seen, now)
         return memory, Outcome(early.steered.setpoint, request, tuple(notes), early.steered, early.ramp)
-    steered, ramp, setpoint = None, STEADY, None
+    steered, ramp, setpoint = None, UNITY, None
     fresh = seen.state is not None and seen.state is memory.state
     if memory.phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
         memory = _shown(plan, memory, notes) if fresh else memory

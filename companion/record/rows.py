@@ -184,7 +184,7 @@ def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, 
             if steered is None
             else (steered.zeta, steered.zeta_dot, steered.thrust_n, int(steered.saturated))
         ),
-        outcome.ramp.factor,
+        outcome.ramp.value,
         *((math.nan,) * 3 if progress is None else (progress.s, progress.travelled, progress.path_error)),
         *(
             (math.nan,) * 5

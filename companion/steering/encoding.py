@@ -10,9 +10,13 @@ from companion.frames import Quaternion, Vec3, multiply, normalised
 from companion.vehicle import AttitudeSetpoint, RateSetpoint, Setpoint, Tuning
 
 PX4_GAINS: Vec3 = (6.5, 6.5, 2.8)
-"""1/s: MC_ROLL_P, MC_PITCH_P, MC_YAW_P where the vehicle did not say."""
+"""1/s: PX4's defaults of MC_ROLL_P, MC_PITCH_P, MC_YAW_P, where the vehicle did not say."""
 YAW_WEIGHT = 0.4
-"""MC_YAW_WEIGHT."""
+"""PX4's default of MC_YAW_WEIGHT."""
+HALF_ERROR_MAX = 0.9
+"""Sine of half the tilt error, at most: 128 degrees. Engineering choice: short of the singularity at 180."""
+HALF_TWIST_MAX = 0.5
+"""Sine of half the shortened twist, at most. Engineering choice: 2.6 rad of yaw error."""
 
 
 class Encoding(Protocol):
@@ -67,10 +71,10 @@ class AsAttitude:
         kx, ky, kz = self.gains
         a, b, c = 0.5 * rates_b[0] / kx, 0.5 * rates_b[1] / ky, 0.5 * rates_b[2] / kz * YAW_WEIGHT
         size = math.sqrt(a * a + b * b)
-        if size > 0.9:
-            a, b, size = 0.9 * a / size, 0.9 * b / size, 0.9
+        if size > HALF_ERROR_MAX:
+            a, b, size = HALF_ERROR_MAX * a / size, HALF_ERROR_MAX * b / size, HALF_ERROR_MAX
         w = math.sqrt(1.0 - size * size)
-        sine = min(max(c / w, -0.5), 0.5)
+        sine = min(max(c / w, -HALF_TWIST_MAX), HALF_TWIST_MAX)
         cosine = math.sqrt(1.0 - sine * sine)
         x, y = cosine * a - sine * b, cosine * b + sine * a
         half_twist = math.asin(sine) / YAW_WEIGHT

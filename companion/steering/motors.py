@@ -7,13 +7,20 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion.allocation import Allocation, Four
-from companion.estimation.prediction import advanced
+from companion.estimation.predictor import extrapolate
+from companion.estimation.translation import acceleration
 from companion.frames import Vec3, rotation_matrix, upright_error
 from companion.law.flight import Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.steering import Aim, Along, Steered
-from companion.steering.thrust import ThrustRange, thrust_range
+from companion.thrust_range import ThrustRange, thrust_range
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
+
+NO_DISTURBANCE: Vec3 = (0.0, 0.0, 0.0)
+LEVEL_FREQUENCY = 6.0
+"""rad/s of the PD law that levels, critically damped. Engineering choice: PX4's MC_ROLL_P is 6.5 1/s."""
+YAW_DAMPING = 4.0
+"""1/s, with which it stops the turning. Engineering choice."""
 
 
 class Extension(NamedTuple):
@@ -55,22 +62,22 @@ class MotorSteering:
         zeta, sent, acting, zeta_dot, zeta_ddot = memory
         acting = _lagged(acting, sent, dt, self.vehicle.motor_lag)
         middle = zeta + half * zeta_dot
-        there = state
+        predicted = state
         if dt != 0.0:
             horizon = half + self.vehicle.motor_lag
             until_then = _mean(acting, sent, horizon, self.vehicle.motor_lag)
-            there = advanced(state, *self._motion(state, until_then), horizon)
+            predicted = extrapolate(state, *self._motion(state, until_then), horizon)
         flying = Flying(
-            p_n=there.p_n,
-            v_n=there.v_n,
-            r_nb=rotation_matrix(there.q_nb),
+            p_n=predicted.p_n,
+            v_n=predicted.v_n,
+            r_nb=rotation_matrix(predicted.q_nb),
             zeta=middle,
-            w_b=there.w_b,
+            w_b=predicted.w_b,
             zeta_dot=zeta_dot + half * zeta_ddot,
             drag=self.vehicle.drag,
             s=aim.s if isinstance(aim, Along) else 0.0,
         )
-        command = self.law(flying, aim.ramp) if isinstance(aim, Along) else self.hold(flying, *aim)
+        command = self.law(flying, aim.speed_scale) if isinstance(aim, Along) else self.hold(flying, *aim)
         later, later_dot, bound = self.range.twice_integrated(zeta, zeta_dot, command.zeta_derivative, dt)
         allocated = self.allocation.allocate((middle, *command.turn))
         return Steered(
@@ -101,27 +108,27 @@ class MotorSteering:
 
     def _motion(self, state: VehicleState, acting: Four) -> tuple[Vec3, Vec3]:
         """Acceleration (world) and body acceleration under this thrust and these torques (Eqs. 1 and 2)."""
-        vehicle = self.vehicle
-        r = state.r_nb
+        vehicle, r = self.vehicle, state.r_nb
         thrust, u2, u3, u4 = acting
-        lift = thrust / vehicle.mass
-        c = vehicle.drag
-        vx, vy, vz = state.v_n
-        acceleration = (-lift * r[2] - c * vx, -lift * r[5] - c * vy, vehicle.gravity - lift * r[8] - c * vz)
+        f = thrust / vehicle.mass
+        thrust_n = (f * r[2], f * r[5], f * r[8])
         jx, jy, jz = vehicle.inertia
         p, q, w = state.w_b
-        return acceleration, (
+        return acceleration(thrust_n, state.v_n, vehicle.gravity, vehicle.drag, NO_DISTURBANCE), (
             (u2 - (jz - jy) * q * w) / jx,
             (u3 - (jx - jz) * w * p) / jy,
             (u4 - (jy - jx) * p * q) / jz,
         )
 
     def _levelling_torque(self, state: VehicleState) -> Vec3:
-        """A PD law on the thrust axis, critically damped at 6 rad/s, without a heading."""
+        """N m: a PD law on the thrust axis, critically damped, without a heading."""
         error_x, error_y = upright_error(state.r_nb)
         p, q, r = state.w_b
         jx, jy, jz = self.vehicle.inertia
-        return (jx * (36.0 * error_x - 12.0 * p), jy * (36.0 * error_y - 12.0 * q), -jz * 4.0 * r)
+        k = LEVEL_FREQUENCY
+        return (
+            jx * (k * k * error_x - 2.0 * k * p), jy * (k * k * error_y - 2.0 * k * q), -jz * YAW_DAMPING * r
+        )  # fmt: skip
 
 
 def _lagged(acting: Four, sent: Four, dt: float, lag: float) -> Four:
@@ -131,13 +138,13 @@ def _lagged(acting: Four, sent: Four, dt: float, lag: float) -> Four:
 
 def _mean(acting: Four, sent: Four, horizon: float, lag: float) -> Four:
     """The mean of it over ``horizon`` (s)."""
-    share = lag / horizon * -math.expm1(-horizon / lag) if lag > 0.0 else 0.0
-    return _between(sent, acting, share)
+    ratio = lag / horizon * -math.expm1(-horizon / lag) if lag > 0.0 else 0.0
+    return _between(sent, acting, ratio)
 
 
-def _between(a: Four, b: Four, share: float) -> Four:
+def _between(a: Four, b: Four, ratio: float) -> Four:
     (a1, a2, a3, a4), (b1, b2, b3, b4) = a, b
-    return (a1 + (b1 - a1) * share, a2 + (b2 - a2) * share, a3 + (b3 - a3) * share, a4 + (b4 - a4) * share)
+    return (a1 + (b1 - a1) * ratio, a2 + (b2 - a2) * ratio, a3 + (b3 - a3) * ratio, a4 + (b4 - a4) * ratio)
 
 
 def motor_steering(law: Law, hold: HoldLaw, vehicle: Vehicle) -> MotorSteering:

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple, Protocol
 
 from companion.estimation.learned import Learned
 from companion.frames import Vec3
-from companion.law.flight import Command, Ramp
+from companion.law.flight import Command
+from companion.law.speed_scale import SpeedScale
 from companion.vehicle import Setpoint, VehicleState
 
 SteeringMemory = Any
@@ -14,11 +15,10 @@ SteeringMemory = Any
 
 
 class Along(NamedTuple):
-    """Fly the path. ``s``: m, arc length near the closest point. ``ramp``: the factor on alpha with its rate and
-    acceleration; it may exceed 1, and a negative one flies the other way."""
+    """Fly the path. ``s``: m, arc length near the closest point. ``speed_scale``: the factor on alpha."""
 
     s: float
-    ramp: Ramp
+    speed_scale: SpeedScale
 
 
 class At(NamedTuple):

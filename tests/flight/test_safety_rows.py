@@ -13,10 +13,11 @@ from companion.flight import safety
 from companion.flight.conduct import Limits
 from companion.flight.safety import NOTHING_SINCE, ROWS, Action, SafetyInputs, watched
 from companion.law.feedback import Bounds
-from companion.law.flight import Command, Flying, Ramp, curve_law, implicit_law, model_of
+from companion.law.flight import Command, Flying, curve_law, implicit_law, model_of
 from companion.law.gains import Level, default_gains
 from companion.law.hold import hold_law
 from companion.law.reference import reference
+from companion.law.speed_scale import SpeedScale
 from companion.paths.implicit import ImplicitPath
 from companion.paths.polyline import line
 from companion.profiles import ConstantSpeed, ConstantYaw
@@ -88,7 +89,7 @@ def test_there_is_no_tilt_error_on_the_path_following_manifold(name: str, level:
     rows = zip(*(axis.components() for axis in (ref.R.e1, ref.R.e2, ref.R.e3)), strict=True)
     r_nb = tuple(float(value) for row in rows for value in row)
     flying = Flying(ref.X.components(), ref.V.components(), r_nb, ref.zeta, ref.w.components(), ref.zeta_dot)
-    assert angle(law(flying._replace(drag=model.c), Ramp())) < 1e-5
+    assert angle(law(flying._replace(drag=model.c), SpeedScale())) < 1e-5
 
 
 @pytest.mark.parametrize("level", list(Level))
@@ -101,8 +102,8 @@ def test_the_tilt_error_beside_a_path_is_the_lean_that_brings_the_vehicle_back(l
     )  # fmt: skip
     flying = Flying((20.0, 0.5, -10.0), (3.0, 0.0, 0.0), (1, 0, 0, 0, 1, 0, 0, 0, 1), X500.weight, s=20.0)
     asked = gains.h1[0] / gains.h1[2] * 0.5
-    assert angle(law(flying, Ramp())) == pytest.approx(math.degrees(math.atan(asked / X500.gravity)), abs=1e-6)
-    assert angle(law(flying._replace(p_n=(20.0, 0.0, -10.0)), Ramp())) < 1e-6
+    assert angle(law(flying, SpeedScale())) == pytest.approx(math.degrees(math.atan(asked / X500.gravity)), abs=1e-6)
+    assert angle(law(flying._replace(p_n=(20.0, 0.0, -10.0)), SpeedScale())) < 1e-6
 
 
 @pytest.mark.parametrize("level", list(Level))

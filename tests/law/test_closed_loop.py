@@ -21,9 +21,10 @@ from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.frames import Heading, rotation_from_euler, tilt
 from companion.law.bare import bare_law
-from companion.law.flight import Flying, Ramp, implicit_law, model_of
+from companion.law.flight import Flying, implicit_law, model_of
 from companion.law.gains import Gains, Level
 from companion.law.reference import reference
+from companion.law.speed_scale import SpeedScale
 from companion.mission import Mission
 
 
@@ -56,7 +57,7 @@ def loop_of(name: str, heading: Heading = Heading.PROJECTED) -> Loop:
     def derivative(t: float, chi: np.ndarray) -> np.ndarray:
         x, y, z, psi, theta, phi, u, v, w, p, q, r, zeta, zeta_dot = (float(c) for c in chi)
         R = rotation_from_euler(psi, theta, phi)
-        command = law(Flying((x, y, z), (u, v, w), R, zeta, (p, q, r), zeta_dot), Ramp())
+        command = law(Flying((x, y, z), (u, v, w), R, zeta, (p, q, r), zeta_dot), SpeedScale())
         u2, u3, u4 = command.turn
         c_th, s_ph, c_ph, t_th = math.cos(theta), math.sin(phi), math.cos(phi), math.tan(theta)
         return np.array(

@@ -16,10 +16,11 @@ from companion.calculus.expression import parse
 from companion.calculus.scalar import cos, sin
 from companion.calculus.vectors import Vector
 from companion.frames import Heading, rotation_from_euler
-from companion.law.flight import Flying, Law, OverArc, Ramp, curve_law, implicit_law
+from companion.law.flight import Flying, Law, OverArc, curve_law, implicit_law
 from companion.law.gains import Gains, Level, from_poles
 from companion.law.implicit import Specification
 from companion.law.motion import Model
+from companion.law.speed_scale import SpeedScale
 from companion.paths.curve import Curve, analytic
 from companion.profiles import (
     ConstantSpeed,
@@ -52,7 +53,7 @@ def random_flying(rng: random.Random, near: tuple[float, float, float], s: float
     )
 
 
-def difference(a: Law, b: Law, flying: Flying, ramp: Ramp) -> float:
+def difference(a: Law, b: Law, flying: Flying, ramp: SpeedScale) -> float:
     one, two = a(flying, ramp), b(flying, ramp)
     first, second = ([c.zeta_derivative, *c.turn, c.speed, c.alpha, *c.tangent] for c in (one, two))
     return float(np.max(np.abs(np.array(first) - np.array(second))) / np.max(np.abs(first)))
@@ -87,7 +88,7 @@ def test_a_circle_as_a_distance(level: Level, name: str, yaw: Yaw, beta: Any, ki
     for _ in range(60):
         s = rng.uniform(0.0, curve.table.length)
         flying = random_flying(rng, curve.table.at(s)[0], s, 1.2)
-        assert difference(a, b, flying, Ramp(0.7, 0.2, -0.1)) < 1e-9
+        assert difference(a, b, flying, SpeedScale(0.7, 0.2, -0.1)) < 1e-9
 
 
 @pytest.mark.parametrize("level", list(Level), ids=lambda level: level.name)
@@ -101,7 +102,7 @@ def test_a_speed_profile_on_a_circle(level: Level) -> None:
     rng = random.Random(3)
     for _ in range(60):
         s = rng.uniform(0.0, curve.table.length)
-        assert difference(a, b, random_flying(rng, curve.table.at(s)[0], s, 1.0), Ramp()) < 1e-8
+        assert difference(a, b, random_flying(rng, curve.table.at(s)[0], s, 1.0), SpeedScale()) < 1e-8
 
 
 @pytest.mark.parametrize("level", list(Level), ids=lambda level: level.name)
@@ -116,7 +117,7 @@ def test_a_helix_on_a_cylinder_and_the_yaw_towards_a_point(level: Level) -> None
     rng = random.Random(5)
     for _ in range(40):
         flying = random_flying(rng, (rng.uniform(-10, 10), 2.0, -3.0), 20.0, 0.5)
-        assert difference(a, b, flying, Ramp()) < 1e-9
+        assert difference(a, b, flying, SpeedScale()) < 1e-9
 
 
 def lissajous(u: Any) -> tuple[Any, Any, Any]:
@@ -180,7 +181,7 @@ def test_a_space_curve_against_a_parallel_transport_oracle(level: Level) -> None
     for _ in range(150):
         s = rng.uniform(1.0, curve.table.length - 1.0)
         flying = random_flying(rng, curve.table.at(s)[0], s, 0.25)
-        command = law(flying, Ramp())
+        command = law(flying, SpeedScale())
         R = np.array(flying.r_nb).reshape(3, 3)
         d, V = np.array(flying.disturbance), np.array(flying.v_n)
         m, c, zeta = MODEL.m, flying.drag, flying.zeta
@@ -218,7 +219,7 @@ def test_yaw_over_arc_length_is_differentiated() -> None:
     x, T, _ = curve.table.at(s)
     velocity = (3.0 * T[0], 3.0 * T[1], 3.0 * T[2])
     heading = math.radians(90.0 * math.sin(s / 4.0))
-    command = law(Flying(x, velocity, rotation_from_euler(heading, 0.0, 0.0), 16.0, s=s), Ramp())
+    command = law(Flying(x, velocity, rotation_from_euler(heading, 0.0, 0.0), 16.0, s=s), SpeedScale())
     assert command.beta == pytest.approx(heading, abs=1e-6)
     # level and on the wanted heading, the yaw rate is beta'(s) times the speed
     assert command.turn[2] == pytest.approx(math.radians(90.0) * math.cos(s / 4.0) / 4.0 * 3.0, rel=1e-4)
@@ -230,7 +231,7 @@ def test_a_crossing_keeps_its_branch() -> None:
     law = curve_law(curve, ConstantSpeed(3.0), ConstantYaw(0.0), Level.RATES, MODEL, GAINS[Level.RATES], None, 1.0)
     one, two = curve.arc(0.5 * math.pi), curve.arc(1.5 * math.pi)
     at = Flying((0.02, 0.01, -10.0), (0.0, 0.0, 0.0), rotation_from_euler(0, 0, 0), 16.0)
-    first, second = law(at._replace(s=one), Ramp()).tangent, law(at._replace(s=two), Ramp()).tangent
+    first, second = law(at._replace(s=one), SpeedScale()).tangent, law(at._replace(s=two), SpeedScale()).tangent
     assert first[0] < -0.5
     assert second[0] > 0.5
 
@@ -250,4 +251,4 @@ def test_a_table_over_arc_length_on_an_implicit_path() -> None:
         x, T, _ = curve.table.at(s)
         v = rng.uniform(-4.0, 6.0)
         flying = random_flying(rng, x, s, 0.0)._replace(v_n=(v * T[0], v * T[1], v * T[2]))
-        assert difference(a, b, flying, Ramp(0.7, 0.2, -0.1)) < 1e-8
+        assert difference(a, b, flying, SpeedScale(0.7, 0.2, -0.1)) < 1e-8

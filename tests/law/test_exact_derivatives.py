@@ -16,12 +16,14 @@ import pytest
 from companion.calculus.expression import parse
 from companion.calculus.vectors import Vector
 from companion.frames import Heading, rotation_from_euler
-from companion.law.bare import LawError, bare_law
+from companion.law.bare import bare_law
+from companion.law.errors import LawError
 from companion.law.feedback import Bounds
-from companion.law.flight import Flying, Ramp, implicit_law
+from companion.law.flight import Flying, implicit_law
 from companion.law.gains import Gains, Level
 from companion.law.implicit import Specification
 from companion.law.motion import Model
+from companion.law.speed_scale import SpeedScale
 from tests.support.oracle import oracle
 
 DATA = Path(__file__).parents[1] / "data"
@@ -158,7 +160,7 @@ def test_the_factored_form_with_the_twist_heading(name: str) -> None:
             w = (0.0, 0.0, 0.0) if level is Level.RATES else (chi[9], chi[10], chi[11])
             zeta, zeta_dot = (chi[9], 0.0) if level is Level.RATES else (chi[12], chi[13])
             place, speed = (chi[0], chi[1], chi[2]), (chi[6], chi[7], chi[8])
-            command = flown(Flying(place, speed, rotation_from_euler(*chi[3:6]), zeta, w, zeta_dot), Ramp())
+            command = flown(Flying(place, speed, rotation_from_euler(*chi[3:6]), zeta, w, zeta_dot), SpeedScale())
             assert error([command.zeta_derivative, *command.turn], wanted.inputs) < 1e-9
             compared += 1
         assert compared > 10
@@ -187,7 +189,7 @@ def test_the_factored_form_equals_the_lie_derivative_form(name: str) -> None:
             wanted = bare([*chi[:3], chi[3] - shift, *chi[4:]])
             p, q, r = chi[:3], chi[6:9], rotation_from_euler(*chi[3:6])
             flying = Flying((p[0], p[1], p[2]), (q[0], q[1], q[2]), r, zeta, w, zeta_dot)
-            command = flown(flying, Ramp())
+            command = flown(flying, SpeedScale())
             assert error([command.zeta_derivative, *command.turn], wanted.inputs) < 1e-9
 
 
@@ -255,7 +257,7 @@ def test_bounds_do_not_touch_a_small_error() -> None:
     bound = implicit_law(spec, Level.MOTORS, model_of(MODEL), gains, Bounds())
     r = rotation_from_euler(0.2, 0.1, -0.1)
     flying = Flying((0.3, 5.2, -5.1), (2.5, 0.1, 0.0), r, 16.0, (0.1, 0.0, 0.1), 1.0)
-    a, b = (law(flying, Ramp()) for law in (free, bound))
+    a, b = (law(flying, SpeedScale()) for law in (free, bound))
     assert a.zeta_derivative == pytest.approx(b.zeta_derivative, rel=1e-12)
     assert a.turn == pytest.approx(b.turn, rel=1e-12)
 
@@ -269,7 +271,7 @@ def test_bounds_hold_what_a_large_error_asks() -> None:
     hover = MODEL["m"] * MODEL["g"]
 
     def asked(up: float) -> float:
-        return bound(Flying((0.0, 5.0, -5.0 - up), (3.0, 0.0, 0.0), level, hover), Ramp()).zeta_derivative
+        return bound(Flying((0.0, 5.0, -5.0 - up), (3.0, 0.0, 0.0), level, hover), SpeedScale()).zeta_derivative
 
     assert asked(10.0) == pytest.approx(asked(1.5), rel=1e-9)
     assert abs(asked(1.0)) < abs(asked(1.5))

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import pytest
 
 from companion.calculus.vectors import Vector
-from companion.estimation.prediction import advanced
+from companion.estimation.predictor import extrapolate
 from companion.frames import Vec3, quaternion_from_euler, rotation_matrix, tilt
-from companion.law.bare import LawError
+from companion.law.errors import LawError
 from companion.law.feedback import Bounds
 from companion.law.flight import Flying
 from companion.law.gains import Level, default_gains
@@ -77,17 +77,17 @@ def flown(level: Level, p_n: Vec3, v_n: Vec3, seconds: float = 25.0, h: float = 
     for _ in range(round(seconds / h)):
         flying = Flying(state.p_n, state.v_n, state.r_nb, zeta, state.w_b, zeta_dot)
         command = law(flying, PLACE, YAW)
-        r, lift = state.r_nb, zeta / 1.5
-        a_n = (-lift * r[2], -lift * r[5], 9.81 - lift * r[8])
+        r, specific_thrust = state.r_nb, zeta / 1.5
+        a_n = (-specific_thrust * r[2], -specific_thrust * r[5], 9.81 - specific_thrust * r[8])
         if level is Level.RATES:
             zeta += h * command.zeta_derivative
-            state = advanced(state._replace(w_b=command.turn), a_n, (0.0, 0.0, 0.0), h)
+            state = extrapolate(state._replace(w_b=command.turn), a_n, (0.0, 0.0, 0.0), h)
         else:
             zeta, zeta_dot = zeta + h * zeta_dot, zeta_dot + h * command.zeta_derivative
             p, q, w = state.w_b
             l, m, n = command.turn  # noqa: E741
             w_dot = ((l - 0.02 * q * w) / 0.02, (m + 0.02 * p * w) / 0.02, n / 0.04)
-            state = advanced(state, a_n, w_dot, h)
+            state = extrapolate(state, a_n, w_dot, h)
         zeta = max(zeta, 0.2 * 1.5 * 9.81)
         speed_max, tilt_max = max(speed_max, math.hypot(*state.v_n)), max(tilt_max, tilt(state.r_nb))
     return Flown(state, speed_max, tilt_max)

@@ -20,8 +20,9 @@ from companion.fence import Circle, Polygon
 from companion.frames import rotation_from_euler
 from companion.geodesy import LocalFrame
 from companion.law.feedback import Bounds
-from companion.law.flight import Flying, Ramp, curve_law, model_of
+from companion.law.flight import Flying, curve_law, model_of
 from companion.law.gains import Level, default_gains
+from companion.law.speed_scale import SpeedScale
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.mission import GlobalOrigin, Mission, Origin
@@ -290,7 +291,7 @@ def calls_of_a_step(count: int) -> list[int]:
         s = curve.arc(waves * 2.0 * (math.hypot(3.0, 6.0) + 3.0) + 3.3)  # half along a lane, whichever it is
         x, y, z = curve.table.at(s)[0]
         flying = Flying((x + 0.1, y + 0.1, z), (2.0, 1.0, 0.1), rotation_from_euler(0.1, 0.1, -0.1), 19.0, s=s)
-        law(flying, Ramp())  # what is made once is made
+        law(flying, SpeedScale())  # what is made once is made
         calls = 0
 
         def count_call(frame: Any, event: str, argument: Any) -> None:
@@ -298,7 +299,7 @@ def calls_of_a_step(count: int) -> list[int]:
             calls += event in ("call", "c_call")
 
         sys.setprofile(count_call)
-        law(flying, Ramp())
+        law(flying, SpeedScale())
         sys.setprofile(None)
         found.append(calls)
     return found

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from companion.estimation.estimator import DRAG_STD, THRUST_SCALE_STD
 from companion.estimation.learned import AGEING, Learned, prior_of, sane
-from companion.estimation.observer import DRAG_DOUBT, KAPPA_DOUBT
 from companion.record.learned import recalled, remembered, state_file
 from companion.vehicle import OutputLevel
 from trials.measured import course, machine, measured, world
@@ -18,16 +18,16 @@ FOUND = Learned(0.5, 0.8, 0.065)
 
 def test_fresh_figures_replace_what_was_told() -> None:
     prior = prior_of(FOUND, 0.6, 0.1)
-    assert prior.kappa[0] == pytest.approx(1.2)  # told 0.6, truly 0.5: every newton asked for gives 1.2
+    assert prior.thrust_scale[0] == pytest.approx(1.2)  # told 0.6, truly 0.5: every newton asked for gives 1.2
     assert prior.drag[0] == pytest.approx(0.8)
-    assert prior.kappa[1] < KAPPA_DOUBT
-    assert prior.drag[1] < DRAG_DOUBT
+    assert prior.thrust_scale[1] < THRUST_SCALE_STD
+    assert prior.drag[1] < DRAG_STD
 
 
 def test_old_figures_are_doubted_as_if_never_flown() -> None:
     prior = prior_of(FOUND._replace(age_days=2.0 * AGEING), 0.6, 0.1)
-    assert prior.kappa[1] == pytest.approx(KAPPA_DOUBT)
-    assert prior.drag == pytest.approx((0.1, DRAG_DOUBT))
+    assert prior.thrust_scale[1] == pytest.approx(THRUST_SCALE_STD)
+    assert prior.drag == pytest.approx((0.1, DRAG_STD))
 
 
 @pytest.mark.parametrize(

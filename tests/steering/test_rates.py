@@ -16,7 +16,7 @@ from companion.flight.phases import Phase
 from companion.frames import Vec3, multiply, quaternion_from_euler, rotation_matrix, tilt
 from companion.plan import Plan
 from companion.steering.encoding import AsAttitude, as_attitude
-from companion.steering.thrust import ThrustRange
+from companion.thrust_range import ThrustRange
 from companion.vehicle import OutputLevel, RateSetpoint, Tuning
 from companion.world import Battery, Deviations, Link, Start, Way
 from companion.world.events import Hold, When
@@ -50,7 +50,7 @@ def test_in_a_fast_turn_px4_flies_the_rates_that_were_meant() -> None:
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory = conductor.memory
         if memory is not None and memory.steering is not None and truth.t_boot > 10.0:
-            (p, q, r), gain = memory.steering.sent[-1].rates_b, memory.steering.lag.gain
+            (p, q, r), gain = memory.steering.commands[-1].rates_b, memory.steering.lag.gain
             meant.append((p / gain, q / gain, r))
             asked.append(bridges[0].autopilot.cascade.rates_wanted)
 
@@ -203,7 +203,7 @@ def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, m
         if conductor.memory is None or conductor.memory.steering is None:
             return
         heights.append(truth.p_n[2])
-        if conductor.memory.steering.observed.converged and not converged_at:
+        if conductor.memory.steering.update_estimate.converged and not converged_at:
             converged_at.append(now)
 
     done = measured(course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=5.0, settle=3.0, watch=watch)
@@ -246,17 +246,17 @@ def test_thrust_that_drifts_in_flight_is_followed() -> None:
     """A fading battery: 15 % less thrust for the same command within 12 s, the height kept."""
     fading = world("ideal", battery=Battery(capacity=500.0, resistance=0.01, full_current=60.0))
     lowest: list[float] = []
-    sent: list[float] = []
+    commands: list[float] = []
 
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         lowest.append(truth.p_n[2])
         if conductor.last is not None and conductor.last.outcome.setpoint is not None:
-            sent.append(conductor.last.outcome.setpoint.thrust)
+            commands.append(conductor.last.outcome.setpoint.thrust)
 
     done = measured(course("circle_r5", 3.0), machine("x500"), fading, duration=12.0, settle=5.0, watch=watch)
     assert done.reason is None
     assert max(abs(height + 10.0) for height in lowest) < 0.3
-    assert sent[-1] > sent[len(sent) // 12] / 0.85  # the same lift takes that much more
+    assert commands[-1] > commands[len(commands) // 12] / 0.85  # the same lift takes that much more
     assert done.true is not None
     assert done.true.path < 0.05
 

@@ -6,9 +6,9 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from companion.estimation.estimator import Prior
 from companion.estimation.kalman import DRAG
-from companion.estimation.observer import Prior
-from companion.estimation.response import Response
+from companion.estimation.rate_loop_model import RateLoop
 from companion.plan import Plan
 from companion.steering.rates import RateMemory, RateSteering
 from companion.steering.steering import Steering
@@ -30,9 +30,11 @@ class Forgetful(RateSteering):
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
         memory = RateSteering.learn(self, memory)
-        belief = memory.observed.belief
+        estimate = memory.estimate
+        belief = estimate.estimator.belief
         x = tuple(0.0 if i in self.forgotten else value for i, value in enumerate(belief.x))
-        return memory._replace(observed=memory.observed._replace(belief=belief._replace(x=x)))
+        estimator = estimate.estimator._replace(belief=belief._replace(x=x))
+        return memory._replace(estimate=estimate._replace(estimator=estimator))
 
 
 def without(remedy: str) -> Callable[[Plan], Steering]:
@@ -52,7 +54,7 @@ def _forgetful(steering: RateSteering, *forgotten: int) -> RateSteering:
 
 
 def _no_drag(steering: RateSteering) -> RateSteering:
-    return _forgetful(dataclasses.replace(steering, prior=Prior(steering.prior.kappa, (0.0, KNOWN))), DRAG)
+    return _forgetful(dataclasses.replace(steering, prior=Prior(steering.prior.thrust_scale, (0.0, KNOWN))), DRAG)
 
 
 def _no_scale(steering: RateSteering) -> RateSteering:
@@ -61,13 +63,13 @@ def _no_scale(steering: RateSteering) -> RateSteering:
 
 def _nothing(steering: RateSteering) -> RateSteering:
     plain = dataclasses.replace(
-        steering, prior=Prior((1.0, KNOWN), (0.0, KNOWN)), response=Response(NO_LAG, steering.response.motor_lag)
+        steering, prior=Prior((1.0, KNOWN), (0.0, KNOWN)), rate_loop=RateLoop(NO_LAG, steering.rate_loop.motor_lag)
     )
     return _forgetful(plain, *DISTURBANCE, *BIAS, DRAG)
 
 
 def _no_prediction(steering: RateSteering) -> RateSteering:
-    return dataclasses.replace(steering, response=Response(NO_LAG, steering.response.motor_lag))
+    return dataclasses.replace(steering, rate_loop=RateLoop(NO_LAG, steering.rate_loop.motor_lag))
 
 
 REMEDIES: dict[str, Callable[[RateSteering], RateSteering]] = {

@@ -13,10 +13,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion.frames import Matrix3, Vec3, wrap
-from companion.law.flight import Command, Flying, Ramp
+from companion.law.flight import Command, Flying
+from companion.law.speed_scale import SpeedScale
 from companion.plan import Plan
-from companion.steering.rates import SLOPE_OVER, RateMemory, RateSteering
+from companion.steering.rates import RateMemory, RateSteering
 from companion.steering.steering import Aim, Along, Steered
+from companion.steering.yaw import DERIVATIVE_STEP
 from companion.vehicle import Setpoint, VehicleState
 from trials.rivals.course import Course, Moment
 
@@ -56,13 +58,13 @@ class Tracker:
             begun = state.t_boot
         t = 0.0 if begun is None else state.t_boot - begun
         delay = self.rates.vehicle.link_delay if link_delay is None else link_delay
-        acts = t + delay + 0.5 * dt + self.rates.response.lag
+        acts = t + delay + 0.5 * dt + self.rates.rate_loop.lag
         steered = self._for(acts).steer(rates, state, dt, aim, link_delay)
         return steered._replace(memory=TrackerMemory(steered.memory, begun, acts))
 
     def learn(self, memory: TrackerMemory) -> TrackerMemory:
         """See Steering."""
-        return memory._replace(rates=self._for(memory.acts + SLOPE_OVER).learn(memory.rates))
+        return memory._replace(rates=self._for(memory.acts + DERIVATIVE_STEP).learn(memory.rates))
 
     def _for(self, t: float) -> RateSteering:
         """The law's steering, asking for the moment ``t`` of the timetable."""
@@ -86,16 +88,16 @@ class Tracking:
     moment: Moment
     rates: RateSteering
 
-    def __call__(self, flying: Flying, ramp: Ramp) -> Command:
+    def __call__(self, flying: Flying, ramp: SpeedScale) -> Command:
         """See Law."""
         moment = self.moment
         vehicle = self.rates.vehicle
         m, g, c = vehicle.mass, vehicle.gravity, flying.drag
         R, v, d = flying.r_nb, flying.v_n, flying.disturbance
         b = (R[2], R[5], R[8])
-        lift = flying.zeta / m
+        specific_thrust = flying.zeta / m
         weight = (0.0, 0.0, g)
-        a = _sum((1.0, weight), (-lift, b), (1.0, d), (-c, v))
+        a = _sum((1.0, weight), (-specific_thrust, b), (1.0, d), (-c, v))
         e, ev, ea = (_sum((1.0, x), (-1.0, y)) for x, y in zip((flying.p_n, v, a), moment[:3], strict=True))
         wanted = _sum((1.0, moment.a_n), (-POSITION, e), (-VELOCITY, ev))
         force = _sum((1.0, wanted), (-1.0, weight), (-1.0, d), (c, v))

@@ -1,25 +1,29 @@
-"""Where the vehicle will be when a command acts."""
+"""The predictor: the state at the time when a command acts, under the commands that are already on their way.
+
+Dead time (the link) and the lag of the rate loop are bridged by integrating the model of the vehicle over both.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
-from companion.estimation.response import (
+from companion.estimation.rate_loop_model import (
     STEP,
     YAW_LAG,
     YAW_TORQUE_LAG,
-    Inner,
-    Response,
-    Sent,
-    axis_step,
-    lift_step,
+    RateLoop,
+    RateLoopState,
+    TimedCommand,
+    axis_transition,
+    thrust_transition,
 )
+from companion.estimation.translation import acceleration
 from companion.frames import Quaternion, Vec3, from_rotation_vector, multiply, normalised
 from companion.vehicle import VehicleState
 
 
-def advanced(state: VehicleState, a_n: Vec3, w_dot_b: Vec3, h: float) -> VehicleState:
+def extrapolate(state: VehicleState, a_n: Vec3, w_dot_b: Vec3, h: float) -> VehicleState:
     """``state`` after ``h`` s of acceleration (m/s^2, world) and body acceleration (rad/s^2), to second order in h."""
     (x, y, z), (vx, vy, vz), (p, q, r) = state.p_n, state.v_n, state.w_b
     ax, ay, az = a_n
@@ -38,18 +42,20 @@ def advanced(state: VehicleState, a_n: Vec3, w_dot_b: Vec3, h: float) -> Vehicle
     )
 
 
-class Known(NamedTuple):
-    """What is known of the forces: ``scale``: acceleration made over lift asked for; ``drag`` 1/s; ``disturbance_n``
-    and ``gravity`` m/s^2."""
+class ForceModel(NamedTuple):
+    """What is known of the forces.
 
-    scale: float
+    ``thrust_scale``: thrust made over thrust commanded. ``drag``: 1/s. ``disturbance_n``, ``gravity``: m/s^2.
+    """
+
+    thrust_scale: float
     drag: float
     disturbance_n: Vec3
     gravity: float
 
 
-class Ahead(NamedTuple):
-    """A predicted state: m, m/s, attitude, rad/s."""
+class PredictedState(NamedTuple):
+    """``p_n``: m. ``v_n``: m/s. ``q_nb``: attitude. ``w_b``: rad/s."""
 
     p_n: Vec3
     v_n: Vec3
@@ -57,29 +63,34 @@ class Ahead(NamedTuple):
     w_b: Vec3
 
 
-def predicted(
-    p_n: Vec3, v_n: Vec3, q_nb: Quaternion, inner: Inner, known: Known, response: Response,
-    sent: tuple[Sent, ...], begin: float, horizon: float,
-) -> Ahead:  # fmt: skip
-    """Where the vehicle is ``horizon`` s after ``begin``, under the commands already sent and the last of them held."""
+def predict(
+    p_n: Vec3, v_n: Vec3, q_nb: Quaternion, rate_loop_state: RateLoopState, forces: ForceModel, rate_loop: RateLoop,
+    commands: tuple[TimedCommand, ...], begin: float, horizon: float,
+) -> PredictedState:  # fmt: skip
+    """The state ``horizon`` s after ``begin`` (s, the vehicle's clock), under ``commands`` and the last of them held.
+
+    ``p_n`` m, ``v_n`` m/s, ``q_nb`` and ``rate_loop_state``: at ``begin``. Steps of STEP at most: rates exactly, the
+    attitude by the mean rate, the translation by the mean thrust and the drag of the velocity in the middle.
+    """
     steps = max(1, math.ceil(horizon / STEP - 1e-9))
     h = round(horizon / steps, 6)
     half = 0.5 * h
-    yy, yd, dy, dd, ay, ad = axis_step(response.lag, response.motor_lag, h)
-    zz, zd, ez, ed, az, bz = axis_step(YAW_LAG, YAW_TORQUE_LAG, h)
-    left, mean = lift_step(response.motor_lag, h)
+    damping = 1.0 - half * forces.drag  # drag acts on the velocity in the middle of the step
+    yy, yd, dy, dd, ay, ad = axis_transition(rate_loop.lag, rate_loop.motor_lag, h)
+    zz, zd, ez, ed, az, bz = axis_transition(YAW_LAG, YAW_TORQUE_LAG, h)
+    left, mean = thrust_transition(rate_loop.motor_lag, h)
     (x, y, z), (vx, vy, vz) = p_n, v_n
     qw, qx, qy, qz = q_nb
-    (wp, wq, wr), (pd, qd, rd), f, trim = inner
-    scale, c, (dx, dy_n, dz), g = known
-    last = len(sent) - 1
+    (wp, wq, wr), (pd, qd, rd), f, trim = rate_loop_state
+    thrust_scale, drag, disturbance_n, gravity = forces
+    last = len(commands) - 1
     i = 0
     bx, by, bz_n = 2.0 * (qx * qz + qw * qy), 2.0 * (qy * qz - qw * qx), 1.0 - 2.0 * (qx * qx + qy * qy)
     t = begin + half
     for _ in range(steps):
-        while i < last and sent[i + 1].at <= t:
+        while i < last and commands[i + 1].at <= t:
             i += 1
-        _, (sp, sq, sr), lift = sent[i]
+        _, (sp, sq, sr), commanded = commands[i]
         sr += trim
         yp, yq, yr = wp - sp, wq - sq, wr - sr
         # half the angles turned in this step, each axis by its own loop
@@ -102,14 +113,12 @@ def predicted(
         )
         ox, oy, oz = bx, by, bz_n
         bx, by, bz_n = 2.0 * (qx * qz + qw * qy), 2.0 * (qy * qz - qw * qx), 1.0 - 2.0 * (qx * qx + qy * qy)
-        pull = 0.5 * scale * (lift + mean * (f - lift))
-        f = lift + left * (f - lift)
-        # without drag; then drag on the velocity in the middle of the step
-        ax, ay_n, az_n = dx - pull * (ox + bx), dy_n - pull * (oy + by), g + dz - pull * (oz + bz_n)
-        ax -= c * (vx + half * (ax - c * vx))
-        ay_n -= c * (vy + half * (ay_n - c * vy))
-        az_n -= c * (vz + half * (az_n - c * vz))
+        pull = 0.5 * thrust_scale * (commanded + mean * (f - commanded))
+        f = commanded + left * (f - commanded)
+        thrust_n = (pull * (ox + bx), pull * (oy + by), pull * (oz + bz_n))
+        ax, ay_n, az_n = acceleration(thrust_n, (vx, vy, vz), gravity, drag, disturbance_n)
+        ax, ay_n, az_n = ax * damping, ay_n * damping, az_n * damping
         x, y, z = x + h * (vx + half * ax), y + h * (vy + half * ay_n), z + h * (vz + half * az_n)
         vx, vy, vz = vx + h * ax, vy + h * ay_n, vz + h * az_n
         t += h
-    return Ahead((x, y, z), (vx, vy, vz), normalised((qw, qx, qy, qz)), (wp, wq, wr))
+    return PredictedState((x, y, z), (vx, vy, vz), normalised((qw, qx, qy, qz)), (wp, wq, wr))

@@ -6,10 +6,14 @@ from dataclasses import dataclass
 
 from companion.vehicle import Vehicle
 
-ZETA_MIN, ZETA_MAX, THRUST_SHARE_MAX = 0.25, 1.9, 0.95
-"""zeta stays between these shares of the weight, and below this share of the largest thrust."""
+ZETA_MIN = 0.25
+"""Of the weight, the least zeta: the attitude is not determined at zero. Engineering choice."""
+ZETA_MAX = 1.9
+"""Of the weight, the largest zeta. Engineering choice: a tilt of 58 degrees in level flight."""
+THRUST_USED_MAX = 0.95
+"""Of the largest thrust, the largest zeta. Engineering choice: 5 % are left for turning."""
 ZETA_DOT_MAX = 3.0
-"""weights a second."""
+"""Weights a second, the fastest change of zeta. Engineering choice: no motor follows more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,5 +53,5 @@ def thrust_range(vehicle: Vehicle) -> ThrustRange:
     """The range for ``vehicle``."""
     if vehicle.limits is None:
         return UNBOUNDED
-    high = min(ZETA_MAX * vehicle.weight, THRUST_SHARE_MAX * vehicle.thrust_max)
+    high = min(ZETA_MAX * vehicle.weight, THRUST_USED_MAX * vehicle.thrust_max)
     return ThrustRange(ZETA_MIN * vehicle.weight, high, ZETA_DOT_MAX * vehicle.weight)

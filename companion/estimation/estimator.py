@@ -1,0 +1,271 @@
+"""The estimator: the Kalman filter, and what keeps it consistent.
+
+freeze      thrust scale and drag are not learned for FREEZE_TIME after anything that is not the model: a clipped
+            command, a thrust at its bound, a vehicle that is restrained or stopped
+clamp       ||d - LPF(d)|| is clamped: a vehicle that is restrained is not taken for one in a storm, and does not leap
+            away when it is released
+noise       the variances of the measurements are adapted to their innovations
+reset       after a jump of the vehicle's own estimate position, velocity and bias are reset, and their
+            cross-covariances zeroed
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.estimation.kalman import (
+    DRAG,
+    POSITION_R_MIN,
+    THRUST_SCALE,
+    Belief,
+    Innovation,
+    initial_belief,
+    predict_and_update,
+    reset_disturbance,
+    reset_position_velocity,
+)
+from companion.estimation.translation import acceleration
+from companion.frames import Matrix3, Vec3
+
+FREEZE_TIME = 0.4
+"""s without learning of thrust scale and drag after anything the model does not know. Flights on PX4's simulated
+quadrotor: a saturated capture spoiled them for 12 s without."""
+THRUST_SCALE_RANGE = (0.45, 2.2)
+"""Engineering choice: hover thrusts of half and twice the one that was told."""
+DRAG_RANGE = (0.0, 2.5)
+"""1/s. Engineering choice: PX4's simulated quadrotor, which is draggy, has 1.0."""
+DISTURBANCE_DEVIATION_MAX = 2.0
+"""m/s^2, the largest ||d - LPF(d)||. Simulated: held for 4 s and let go, a
+vehicle then leaps 0.13 m, at 4 m/s^2 0.28 m."""
+INITIAL_DEVIATION_MAX = 8.0
+"""m/s^2, the same at first, when the disturbance may be anywhere a wind could put it."""
+INITIAL_PHASE = 4.0
+"""s in which the clamp closes from its initial to its usual size."""
+DISTURBANCE_LPF_TIME = 5.0
+"""s, time constant of LPF(d). Engineering choice: longer than a gust, shorter than a change of the weather."""
+INITIAL_DISTURBANCE_LPF_TIME = 0.5
+"""s, the same in the initial phase."""
+THRUST_SCALE_STD = 0.2
+"""Standard deviation of the thrust scale before a flight. Engineering choice: battery and payload of a usual day."""
+DRAG_STD = 0.7
+"""1/s, of the drag. Flights on PX4's simulated quadrotor: found within 1 s from there."""
+MEASUREMENT_NOISE_TIME = 2.0
+"""s over which the squares of the innovations are averaged."""
+NOISE_MIN = (POSITION_R_MIN, 4e-3**2)
+"""m^2, m^2/s^2: variances of position and velocity, at least: PX4's own smooth estimate, quiet."""
+NOISE_MAX = (0.05**2, 0.2**2)
+"""m^2, m^2/s^2: at most. Engineering choice: the worst that is still flown."""
+JUMP_POSITION = 0.25
+"""m of innovation from which on it may be a jump. Engineering choice: a tenth of what GPS glitches do."""
+JUMP_VELOCITY = 0.5
+"""m/s of innovation from which on it may be a jump."""
+JUMP_SIGMAS = 10.0
+"""Standard deviations of the innovation from which on it is one."""
+HOVER_SPEED_MAX = 1.0
+"""m/s, below which a tilt at the beginning is taken for the wind's."""
+RESTRAINED_SPEED_MAX = 0.25
+"""m/s: slower than this a vehicle that is to move may be restrained."""
+UNEXPLAINED_VELOCITY_MIN = 0.5
+"""m/s of velocity that it should have come to and has not, from which on it is restrained."""
+UNEXPLAINED_VELOCITY_TIME = 1.0
+"""s, time constant in which such velocity is forgotten."""
+RELEASE_SPEED = 0.12
+"""m/s: so fast towards where its thrust points a vehicle that was restrained is free again."""
+CONVERGED_RATIO = 0.03
+"""Standard deviation of the thrust scale, of the scale, at which it is known well enough to follow a path."""
+CONVERGENCE_TIME_MIN = 0.3
+"""s of flight before anything is called converged."""
+
+
+class Prior(NamedTuple):
+    """What is known before the flight: value and standard deviation of the thrust scale and of the drag (1/s)."""
+
+    thrust_scale: tuple[float, float] = (1.0, THRUST_SCALE_STD)
+    drag: tuple[float, float] = (0.0, DRAG_STD)
+
+
+class EstimatorState(NamedTuple):
+    """What is known at a stamp.
+
+    ``belief``: mean and covariance of the filter's state. ``noise``: variances of measured position (m^2) and velocity
+    (m^2/s^2). ``disturbance_lpf_n``: m/s^2, LPF(d). ``freeze_left``: s left without learning. ``flight_time``: s since
+    the first update. ``disturbance_saturated``: whether the clamp acts. ``unexplained_velocity_n``: m/s that a vehicle
+    that stands still should have come to by the forces on it.
+    """
+
+    belief: Belief
+    noise: tuple[float, float]
+    disturbance_lpf_n: Vec3
+    freeze_left: float = 0.0
+    flight_time: float = 0.0
+    disturbance_saturated: bool = False
+    unexplained_velocity_n: Vec3 = (0.0, 0.0, 0.0)
+
+    @property
+    def restrained(self) -> bool:
+        """Whether something holds the vehicle."""
+        x, y, z = self.unexplained_velocity_n
+        return x * x + y * y + z * z > UNEXPLAINED_VELOCITY_MIN * UNEXPLAINED_VELOCITY_MIN
+
+    @property
+    def converged(self) -> bool:
+        """Whether the thrust scale is known well enough to follow a path."""
+        belief = self.belief
+        close = belief.variance(THRUST_SCALE) < (CONVERGED_RATIO * belief.thrust_scale) ** 2
+        return self.flight_time >= CONVERGENCE_TIME_MIN and close
+
+
+class Measurement(NamedTuple):
+    """What the vehicle's estimate says, ``dt`` s after the last time.
+
+    ``specific_thrust_n``: m/s^2, the mean commanded thrust over mass since then, lagged by the motors, along the thrust
+    axis. ``p_n``: m. ``v_n``: m/s. ``limited``: the last command met a limit. ``jumped``: the vehicle says that its
+    estimate was reset. ``moving``: it was told to fly somewhere.
+    """
+
+    dt: float
+    specific_thrust_n: Vec3
+    p_n: Vec3
+    v_n: Vec3
+    limited: bool = False
+    jumped: bool = False
+    moving: bool = False
+
+
+def initial_estimator_state(p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: Prior) -> EstimatorState:
+    """Before the first step. A vehicle that hovers leans into the wind, so that the lean says what the wind does."""
+    disturbance_n: Vec3 = (0.0, 0.0, 0.0)
+    if math.hypot(*v_n) < HOVER_SPEED_MAX and r_nb[8] > 0.5:
+        disturbance_n = (gravity * r_nb[2] / r_nb[8], gravity * r_nb[5] / r_nb[8], 0.0)
+    return EstimatorState(
+        initial_belief(p_n, v_n, disturbance_n, prior.thrust_scale, prior.drag), NOISE_MIN, disturbance_n
+    )
+
+
+def predict_measurement(belief: Belief, measurement: Measurement, gravity: float) -> tuple[Vec3, Vec3]:
+    """Position (m) and velocity (m/s) as they are predicted for a measurement."""
+    (px, py, pz), (vx, vy, vz), (fx, fy, fz) = belief.p_n, belief.v_n, measurement.specific_thrust_n
+    k, h = belief.thrust_scale, measurement.dt
+    half = 0.5 * h
+    thrust_n = (k * fx, k * fy, k * fz)
+    ax, ay, az = acceleration(thrust_n, belief.v_n, gravity, belief.drag, belief.disturbance_n)
+    return (
+        (px + h * (vx + half * ax), py + h * (vy + half * ay), pz + h * (vz + half * az)),
+        (vx + h * ax, vy + h * ay, vz + h * az),
+    )
+
+
+def innovation_is_small(known: EstimatorState, measurement: Measurement, p_n: Vec3, v_n: Vec3) -> bool:
+    """Whether a command may be computed from the prediction (``p_n``, ``v_n``) and the filter be updated afterwards:
+    not after a jump, nor while something restrains the vehicle."""
+    if measurement.jumped or known.restrained:
+        return False
+    (x, y, z), (vx, vy, vz) = measurement.p_n, measurement.v_n
+    return (
+        max(abs(x - p_n[0]), abs(y - p_n[1]), abs(z - p_n[2])) < JUMP_POSITION
+        and max(abs(vx - v_n[0]), abs(vy - v_n[1]), abs(vz - v_n[2])) < JUMP_VELOCITY
+    )
+
+
+def update_estimate(known: EstimatorState, measurement: Measurement, gravity: float) -> EstimatorState:
+    """``known`` after another measurement."""
+    dt, specific_thrust_n, p_n, v_n, limited, jumped, moving = measurement
+    freeze_left = FREEZE_TIME if limited else max(0.0, known.freeze_left - dt)
+    learning = freeze_left == 0.0
+    belief, innovation = predict_and_update(
+        known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning
+    )
+    flight_time = known.flight_time + dt
+    unexplained_velocity_n = (
+        _unexplained_velocity(known, dt, specific_thrust_n, gravity, v_n) if moving else (0.0, 0.0, 0.0)
+    )
+    known = known._replace(unexplained_velocity_n=unexplained_velocity_n)
+    if known.restrained:
+        return known._replace(
+            belief=reset_disturbance(known.belief, p_n, v_n, known.disturbance_lpf_n),
+            freeze_left=FREEZE_TIME,
+            flight_time=flight_time,
+        )
+    if jumped or _is_jump(innovation):
+        there = reset_position_velocity(known.belief, p_n, v_n)
+        return known._replace(belief=there, freeze_left=FREEZE_TIME, flight_time=flight_time)
+    belief, disturbance_lpf_n, disturbance_saturated = _limit(belief, known.disturbance_lpf_n, dt, flight_time)
+    noise = known.noise if disturbance_saturated or not learning else _adapted_noise(known.noise, innovation, dt)
+    return EstimatorState(
+        belief,
+        noise,
+        disturbance_lpf_n,
+        FREEZE_TIME if disturbance_saturated else freeze_left,
+        flight_time,
+        disturbance_saturated,
+        unexplained_velocity_n,
+    )
+
+
+def _unexplained_velocity(known: EstimatorState, dt: float, specific_thrust_n: Vec3, gravity: float, v_n: Vec3) -> Vec3:
+    """m/s that a vehicle that stands still should have come to by the forces on it; zero once it moves. One that was
+    restrained is free as soon as it moves the way it is pushed."""
+    vx, vy, vz = v_n
+    x, y, z = known.unexplained_velocity_n
+    released = known.restrained and vx * x + vy * y + vz * z > RELEASE_SPEED * math.sqrt(x * x + y * y + z * z)
+    if released or vx * vx + vy * vy + vz * vz > RESTRAINED_SPEED_MAX * RESTRAINED_SPEED_MAX:
+        return (0.0, 0.0, 0.0)
+    (sx, sy, sz), thrust_scale = known.disturbance_lpf_n, known.belief.thrust_scale
+    keep = 1.0 - dt / UNEXPLAINED_VELOCITY_TIME
+    fx, fy, fz = specific_thrust_n
+    return (
+        keep * x + dt * (sx - thrust_scale * fx),
+        keep * y + dt * (sy - thrust_scale * fy),
+        keep * z + dt * (gravity + sz - thrust_scale * fz),
+    )
+
+
+def _is_jump(innovation: Innovation) -> bool:
+    """Whether the innovation is that of a jump of the vehicle's own estimate."""
+    for axis, (residual, variance) in enumerate(zip(*innovation, strict=True)):
+        if (
+            abs(residual) > (JUMP_POSITION if axis < 3 else JUMP_VELOCITY)
+            and residual * residual > JUMP_SIGMAS**2 * variance
+        ):
+            return True
+    return False
+
+
+def _limit(belief: Belief, disturbance_lpf_n: Vec3, dt: float, flight_time: float) -> tuple[Belief, Vec3, bool]:
+    """The clamps: ||d - LPF(d)||, scale, drag. Gives the belief, LPF(d), and whether the first one acts."""
+    dx, dy, dz = belief.disturbance_n
+    sx, sy, sz = disturbance_lpf_n
+    ox, oy, oz = dx - sx, dy - sy, dz - sz
+    off = math.sqrt(ox * ox + oy * oy + oz * oz)
+    progress = flight_time / INITIAL_PHASE
+    early = progress < 1.0
+    radius = (
+        INITIAL_DEVIATION_MAX + (DISTURBANCE_DEVIATION_MAX - INITIAL_DEVIATION_MAX) * progress
+        if early
+        else DISTURBANCE_DEVIATION_MAX
+    )
+    x = list(belief.x)
+    disturbance_saturated = off > radius
+    if disturbance_saturated:
+        shrink = radius / off
+        x[2], x[6], x[10] = sx + ox * shrink, sy + oy * shrink, sz + oz * shrink
+    else:
+        k = min(1.0, dt / (INITIAL_DISTURBANCE_LPF_TIME if early else DISTURBANCE_LPF_TIME))
+        disturbance_lpf_n = (sx + k * ox, sy + k * oy, sz + k * oz)
+    x[THRUST_SCALE] = min(max(x[THRUST_SCALE], THRUST_SCALE_RANGE[0]), THRUST_SCALE_RANGE[1])
+    x[DRAG] = min(max(x[DRAG], DRAG_RANGE[0]), DRAG_RANGE[1])
+    return Belief(tuple(x), belief.P), disturbance_lpf_n, disturbance_saturated
+
+
+def _adapted_noise(noise: tuple[float, float], innovation: Innovation, dt: float) -> tuple[float, float]:
+    """The variances of the measurements, drawn to where the innovations are as large as predicted."""
+    k = dt / (MEASUREMENT_NOISE_TIME * 3.0)
+    result = []
+    for kind, first in enumerate((0, 3)):
+        excess = 0.0
+        for i in range(first, first + 3):
+            residual, variance = innovation.residual[i], innovation.variance[i]
+            excess += min(residual * residual, 9.0 * variance) - variance
+        result.append(min(max(noise[kind] + k * excess, NOISE_MIN[kind]), NOISE_MAX[kind]))
+    return result[0], result[1]

@@ -1,0 +1,21 @@
+"""The dead time between a state and the effect of the command that was computed from it."""
+
+from __future__ import annotations
+
+PX4_STEP = 0.004
+"""s: a setpoint acts at PX4's next step of its attitude control (250 Hz)."""
+DELAY_MAX = 0.2
+"""s, the longest delay that is believed. Engineering choice: no link that is slower is flown over."""
+DELAY_SLEW = 0.05
+"""s of change a second: commands on their way are ordered by the delay. Engineering choice."""
+
+
+def update_delay(before: float | None, link_delay: float | None, stated: float, dt: float) -> float:
+    """s, ``dt`` s later: the link there and back as measured, and PX4's step; as ``stated`` in the vehicle file where
+    nothing is measured. It follows at DELAY_SLEW at most."""
+    now = stated if link_delay is None else link_delay + PX4_STEP
+    now = min(max(now, 0.0), DELAY_MAX)
+    if before is None or dt == 0.0:
+        return now
+    most = DELAY_SLEW * dt
+    return before + min(max(now - before, -most), most)

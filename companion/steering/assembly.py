@@ -1,0 +1,58 @@
+"""The steering at the level of rates put together for a vehicle."""
+
+from __future__ import annotations
+
+import math
+
+from companion.estimation.estimator import Prior
+from companion.estimation.rate_loop_model import LAG_MIN, RateLoop
+from companion.frames import Heading
+from companion.law.flight import Law
+from companion.law.hold import HoldLaw
+from companion.steering.encoding import Encoding
+from companion.steering.rates import RateSteering
+from companion.steering.speed_governor import Course
+from companion.thrust_range import thrust_range
+from companion.vehicle import Vehicle
+
+TILT_MARGIN = math.radians(2.0)
+"""rad: the steady tilt of a path may be so much over the vehicle's limit, and stays so much under its failure detector.
+"""
+TILT_MAX = math.radians(80.0)
+"""rad, of a vehicle without a limit: its tangent is still a number."""
+
+
+def rate_steering(
+    law: Law,
+    hold: HoldLaw,
+    vehicle: Vehicle,
+    encoding: Encoding,
+    hover_thrust: float,
+    prior: Prior,
+    yaw_gain: float,
+    course: Course | None = None,
+    lag: float | None = None,
+    heading: Heading = Heading.PROJECTED,
+) -> RateSteering:
+    """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
+    ``lag``: s, of its rate loop as last found; None: as its file says."""
+    rate_loop = RateLoop(max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing, vehicle.motor_lag)
+    limits = vehicle.limits
+    tan_tilt_max = math.inf
+    if limits is not None:
+        tan_tilt_max = math.tan(min(limits.tilt + TILT_MARGIN, limits.failure_detector - TILT_MARGIN, TILT_MAX))
+    return RateSteering(
+        law=law,
+        hold=hold,
+        vehicle=vehicle,
+        range=thrust_range(vehicle),
+        rate_loop=rate_loop,
+        hover_thrust=hover_thrust,
+        prior=prior,
+        encoding=encoding,
+        yaw_gain=yaw_gain,
+        course=course,
+        tan_tilt_max=tan_tilt_max,
+        lag=rate_loop.lag if lag is None else lag + encoding.smoothing,
+        heading=heading,
+    )

@@ -1,0 +1,100 @@
+"""Limits: body rates and thrust within what the vehicle may be asked for, and the anti-windup that follows from them.
+
+Thrust goes out normalised, hover_thrust at one g. PX4 makes it linear in the force by its own THR_MDL_FAC before it
+reaches the motors, and MPC_THR_HOVER counts in the same units, so nothing is to be inverted here.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from companion.frames import Matrix3, Vec3, upright_error
+from companion.thrust_range import ThrustRange
+from companion.vehicle import Limits
+
+TILT_RATE_MAX = 4.0
+"""rad/s of roll and pitch rate. PX4's default MC_ROLLRATE_MAX is 3.8."""
+THRUST_MIN = 0.05
+"""Normalised, the least that is sent. Engineering choice: motors that never stop."""
+THRUST_MAX = 0.97
+"""Normalised, the most that is sent. Engineering choice: a little is left for the vehicle's own rate loop."""
+THRUST_NEAR_SATURATION = 0.9
+"""Normalised thrust above which single motors meet their limits and nothing is learned."""
+LEVEL_GAIN = 3.0
+"""1/s, from the tilt to the rate that levels. Engineering choice: half of PX4's MC_ROLL_P."""
+LEVEL_RATE_MAX = 2.0
+"""rad/s of it. Engineering choice: half of PX4's MC_ROLLRATE_MAX."""
+
+
+class LimitedRates(NamedTuple):
+    """rad/s. ``sent``: what goes out; ``meant``: what the vehicle makes of it. ``saturated``: roll or pitch was."""
+
+    sent: Vec3
+    meant: Vec3
+    saturated: bool
+
+
+class LimitedThrust(NamedTuple):
+    """``zeta``: N, the extension after this step; ``zeta_dot``: N/s. ``sent``: normalised; ``specific``: m/s^2, the
+    same as commanded thrust over mass; ``newtons``: N, as the vehicle makes it. ``saturated``: a bound was met."""
+
+    zeta: float
+    zeta_dot: float
+    sent: float
+    specific: float
+    newtons: float
+    saturated: bool
+
+
+def limit_rates(turn: Vec3, gain: float, limits: Limits | None) -> LimitedRates:
+    """``turn`` (rad/s) within the vehicle's limits. ``gain``: of its roll and pitch rate loops, by which less is sent
+    than is meant."""
+    p, q, r = turn[0] / gain, turn[1] / gain, turn[2]
+    if limits is None:
+        return LimitedRates((p, q, r), (p * gain, q * gain, r), False)
+    p_most, q_most, r_most = limits.body_rates
+    p_most, q_most = min(p_most, TILT_RATE_MAX), min(q_most, TILT_RATE_MAX)
+    p_sent, q_sent, r_sent = (
+        min(max(p, -p_most), p_most), min(max(q, -q_most), q_most), min(max(r, -r_most), r_most)
+    )  # fmt: skip
+    return LimitedRates((p_sent, q_sent, r_sent), (p_sent * gain, q_sent * gain, r_sent), (p_sent, q_sent) != (p, q))
+
+
+class ThrustConversion(NamedTuple):
+    """From a thrust in N to what is sent. ``mass``: kg. ``scale``: thrust made over thrust commanded. ``per_specific``:
+    s^2/m, normalised thrust over commanded thrust over mass (hover thrust over gravity)."""
+
+    mass: float
+    scale: float
+    per_specific: float
+
+
+def limit_thrust(
+    range_: ThrustRange, zeta: float, zeta_derivative: float, dt: float, most: float, sooner: float,
+    conversion: ThrustConversion,
+) -> LimitedThrust:  # fmt: skip
+    """zeta (N) integrated over ``dt`` s within its bounds, and the thrust to send.
+
+    ``zeta_derivative``: N/s, by the law. ``most``: N, what the vehicle has. ``sooner``: s, from the horizon of zeta to
+    the time at which the thrust of this command acts. Anti-windup: on a bound zeta_dot is zero. Of a vehicle that is
+    restrained zeta settles at what the path asks of a vehicle at rest with this tilt, so that it is not flung away
+    when it is released.
+    """
+    later, zeta_dot, bound = range_.integrated(zeta, zeta_derivative, dt, min(range_.high, most))
+    newtons_per_specific = conversion.mass * conversion.scale
+    wanted = (zeta + zeta_dot * sooner) / newtons_per_specific * conversion.per_specific
+    sent = clamp_thrust(wanted)
+    specific = sent / conversion.per_specific
+    return LimitedThrust(later, zeta_dot, sent, specific, specific * newtons_per_specific, bound or sent != wanted)
+
+
+def clamp_thrust(wanted: float) -> float:
+    """Normalised thrust within its range."""
+    return min(max(wanted, THRUST_MIN), THRUST_MAX)
+
+
+def levelling_rates(r_nb: Matrix3) -> Vec3:
+    """rad/s that level a vehicle, without a yaw rate."""
+    error_x, error_y = upright_error(r_nb)
+    most = LEVEL_RATE_MAX
+    return min(max(LEVEL_GAIN * error_x, -most), most), min(max(LEVEL_GAIN * error_y, -most), most), 0.0

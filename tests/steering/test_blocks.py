@@ -1,0 +1,202 @@
+"""The blocks of the rate level: each at zero, then its signs, then what always holds."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import pytest
+
+from companion.estimation.link_delay import DELAY_MAX, DELAY_SLEW, PX4_STEP, update_delay
+from companion.estimation.rate_loop_model import TimedCommand, recent_commands
+from companion.estimation.translation import acceleration
+from companion.frames import Heading, Vec3, rotation_matrix
+from companion.law.flight import Command, Flying
+from companion.steering.limits import (
+    LEVEL_RATE_MAX,
+    THRUST_MAX,
+    THRUST_MIN,
+    TILT_RATE_MAX,
+    ThrustConversion,
+    levelling_rates,
+    limit_rates,
+    limit_thrust,
+)
+from companion.steering.steering import Aim, At
+from companion.steering.timing import Timing
+from companion.steering.yaw import (
+    YAW_AUTHORITY_MIN,
+    YAW_INTEGRAL_MAX,
+    YawMemory,
+    YawRequest,
+    compensate_yaw,
+    integrate_heading_error,
+    yaw_authority,
+    yaw_lead,
+    yaw_rate_derivative,
+)
+from companion.thrust_range import ThrustRange
+from companion.vehicle import Limits
+
+ZERO: Vec3 = (0.0, 0.0, 0.0)
+LIMITS = Limits(tilt=0.8, body_rates=(3.0, 5.0, 1.0), speed=12.0)
+RANGE = ThrustRange(2.0, 18.0, 30.0)
+CONVERSION = ThrustConversion(mass=1.0, scale=1.0, per_specific=0.05)
+
+
+def command(turn: Vec3 = ZERO, yaw: float = 0.0, beta: float = 0.0) -> Command:
+    return Command(0.0, turn, (1.0, 0.0, 0.0), 3.0, 3.0, yaw, beta, 1.0)
+
+
+class TestTranslation:
+    def test_nothing_acts_in_a_hover(self) -> None:
+        assert acceleration((0.0, 0.0, 9.8), ZERO, 9.8, 1.0, ZERO) == ZERO
+
+    def test_signs(self) -> None:
+        """Thrust lifts (up is -z), drag brakes, the disturbance pushes."""
+        assert acceleration((0.0, 0.0, 12.0), ZERO, 9.8, 1.0, ZERO)[2] < 0.0
+        assert acceleration((0.0, 0.0, 9.8), (1.0, -1.0, 0.0), 9.8, 0.5, ZERO) == (-0.5, 0.5, 0.0)
+        assert acceleration((0.0, 0.0, 9.8), ZERO, 9.8, 0.5, (0.1, -0.2, 0.3)) == pytest.approx((0.1, -0.2, 0.3))
+
+
+class TestLinkDelay:
+    def test_nothing_measured_is_as_stated(self) -> None:
+        assert update_delay(None, None, 0.01, 0.01) == 0.01
+
+    def test_a_measured_link_counts_with_px4s_step(self) -> None:
+        assert update_delay(None, 0.02, 0.01, 0.01) == 0.02 + PX4_STEP
+
+    def test_it_follows_slowly_and_is_bounded(self) -> None:
+        assert update_delay(0.01, 0.1, 0.01, 0.01) == pytest.approx(0.01 + 0.01 * DELAY_SLEW)
+        assert update_delay(0.1, 0.0, 0.01, 0.01) == pytest.approx(0.1 - 0.01 * DELAY_SLEW)
+        assert update_delay(None, 9.0, 0.01, 0.01) == DELAY_MAX
+
+
+class TestLimitRates:
+    def test_nothing_asked_nothing_sent(self) -> None:
+        assert limit_rates(ZERO, 1.05, LIMITS) == (ZERO, ZERO, False)
+
+    def test_a_gain_of_the_loop_is_taken_back(self) -> None:
+        limited = limit_rates((1.0, -1.0, 0.5), 1.05, LIMITS)
+        assert limited.sent == pytest.approx((1.0 / 1.05, -1.0 / 1.05, 0.5))
+        assert limited.meant == pytest.approx((1.0, -1.0, 0.5))
+
+    def test_always_within_the_limits_and_saturation_is_told_of_roll_and_pitch(self) -> None:
+        rng = random.Random(1)
+        for _ in range(200):
+            turn = (rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9))
+            limited = limit_rates(turn, 1.0, LIMITS)
+            most = (3.0, TILT_RATE_MAX, 1.0)
+            assert all(abs(sent) <= m for sent, m in zip(limited.sent, most, strict=True))
+            assert all(sent * asked >= 0.0 for sent, asked in zip(limited.sent, turn, strict=True))
+            assert limited.saturated is (abs(turn[0]) > most[0] or abs(turn[1]) > most[1])
+
+    def test_without_limits_everything_goes_out(self) -> None:
+        assert limit_rates((9.0, 9.0, 9.0), 1.0, None).sent == (9.0, 9.0, 9.0)
+
+
+class TestLimitThrust:
+    def test_a_hover_stays(self) -> None:
+        limited = limit_thrust(RANGE, 10.0, 0.0, 0.01, 20.0, 0.0, CONVERSION)
+        assert limited == (10.0, 0.0, 0.5, 10.0, 10.0, False)
+
+    def test_sooner_and_later_follow_the_slope(self) -> None:
+        assert limit_thrust(RANGE, 10.0, 5.0, 0.01, 20.0, 0.02, CONVERSION).sent == pytest.approx(0.505)
+        assert limit_thrust(RANGE, 10.0, 5.0, 0.01, 20.0, -0.02, CONVERSION).sent == pytest.approx(0.495)
+
+    def test_no_windup_at_a_bound(self) -> None:
+        up = limit_thrust(RANGE, 18.0, 20.0, 0.01, 20.0, 0.02, CONVERSION)
+        assert (up.zeta, up.zeta_dot, up.saturated) == (18.0, 0.0, True)
+        down = limit_thrust(RANGE, 2.0, -20.0, 0.01, 20.0, 0.02, CONVERSION)
+        assert (down.zeta, down.zeta_dot, down.saturated) == (2.0, 0.0, True)
+        weak = limit_thrust(RANGE, 12.0, 20.0, 0.01, 12.0, 0.0, CONVERSION)
+        assert (weak.zeta, weak.saturated) == (12.0, True)
+
+    def test_what_is_sent_is_always_within_its_range(self) -> None:
+        for zeta in (2.0, 10.0, 18.0):
+            for scale in (0.1, 1.0, 10.0):
+                sent = limit_thrust(RANGE, zeta, 0.0, 0.01, 20.0, 0.0, CONVERSION._replace(scale=scale)).sent
+                assert THRUST_MIN <= sent <= THRUST_MAX
+
+
+class TestLevelling:
+    def test_upright_needs_nothing(self) -> None:
+        assert levelling_rates(rotation_matrix((1.0, 0.0, 0.0, 0.0))) == ZERO
+
+    @pytest.mark.parametrize("axis", [0, 1])
+    @pytest.mark.parametrize("angle", [-2.5, -0.3, 0.3, 2.5])
+    def test_it_turns_back(self, axis: int, angle: float) -> None:
+        q = [math.cos(0.5 * angle), 0.0, 0.0, 0.0]
+        q[1 + axis] = math.sin(0.5 * angle)
+        rates = levelling_rates(rotation_matrix((q[0], q[1], q[2], q[3])))
+        assert rates[axis] * angle < 0.0
+        assert abs(rates[axis]) <= LEVEL_RATE_MAX
+        assert rates[2] == 0.0
+
+
+class TestTiming:
+    def test_no_delay_no_horizon(self) -> None:
+        assert Timing(0.0, 0.0, 0.0, 0.0).horizon == 0.0
+        assert Timing(0.0, 0.0, 0.0, 0.0).attitude == 0.0
+
+    def test_everything_adds_up(self) -> None:
+        timing = Timing(delay=0.014, hold=0.004, lag=0.071, smoothing=0.0)
+        assert timing.horizon == pytest.approx(0.089)
+        assert timing.attitude == pytest.approx(0.014 + 0.004 - 0.5 * PX4_STEP)
+
+
+class TestYaw:
+    def test_nothing_asked_nothing_commanded(self) -> None:
+        assert compensate_yaw(YawMemory(), 0.0, 0.0, 0.0, 9.0, (0.3, 1.0)) == 0.0
+
+    def test_a_rate_that_is_already_there_is_commanded_as_it_is(self) -> None:
+        assert compensate_yaw(YawMemory(), 0.7, 0.7, 0.0, 9.0, (0.3, 1.0)) == 0.7
+
+    def test_signs(self) -> None:
+        lead = (0.3, 1.0)
+        assert compensate_yaw(YawMemory(derivative=1.0), 0.0, 0.0, 0.0, 9.0, lead) > 0.0
+        assert compensate_yaw(YawMemory(), 0.0, 0.0, 0.2, 9.0, lead) < 0.0  # it turns by itself
+        assert compensate_yaw(YawMemory(), 0.5, 0.2, 0.0, 9.0, lead) > 0.5  # short of what is wanted
+        assert compensate_yaw(YawMemory(integral=0.1), 0.0, 0.0, 0.0, 9.0, lead) < 0.0
+
+    def test_it_stays_within_its_authority_of_what_the_vehicle_does(self) -> None:
+        for wanted in (-5.0, 5.0):
+            r = compensate_yaw(YawMemory(), wanted, 0.4, 0.1, 0.5, (0.3, 1.0))
+            assert r == pytest.approx(0.3 + math.copysign(0.5, wanted))
+
+    def test_thrust_and_tilting_come_first(self) -> None:
+        easy = yaw_authority(5.0, 0.0, 20.0, 0.0)
+        assert yaw_authority(15.0, 0.0, 20.0, 0.0) < easy
+        assert yaw_authority(5.0, 20.0, 20.0, 0.0) < easy
+        assert yaw_authority(5.0, 0.0, 20.0, 2.0) < easy
+        assert yaw_authority(20.0, 0.0, 20.0, 9.0) == YAW_AUTHORITY_MIN
+
+    def test_a_heading_error_adds_up_to_a_bound(self) -> None:
+        assert integrate_heading_error(0.0, command(yaw=1.0, beta=1.0), 2.0, 0.01) == 0.0
+        assert integrate_heading_error(0.0, command(yaw=0.1), 2.0, 0.01) > 0.0
+        assert integrate_heading_error(0.0, command(yaw=-0.1 + 2.0 * math.pi), 2.0, 0.01) < 0.0
+        assert integrate_heading_error(0.0, command(yaw=1.0), 2.0, 0.01) == 0.0  # far away: no windup
+        assert integrate_heading_error(YAW_INTEGRAL_MAX, command(yaw=0.1), 2.0, 0.01) == YAW_INTEGRAL_MAX
+
+    def test_a_quick_vehicle_is_led_less(self) -> None:
+        slow, quick = yaw_lead(0.06, 0.06, 0.0), yaw_lead(0.02, 0.02, 0.0)
+        assert quick[0] < slow[0]
+        assert quick[1] < slow[1]
+        assert yaw_lead(0.06, 0.2, 0.14)[1] < slow[1]  # smoothed
+
+    def test_the_derivative_is_the_laws(self) -> None:
+        """A law whose yaw rate grows with the position north, flown north at 2 m/s: 0.3 * 2 rad/s^2."""
+
+        def law(flying: Flying, aim: Aim) -> Command:
+            return command((0.0, 0.0, 0.3 * flying.p_n[0]))
+
+        flying = Flying(ZERO, (2.0, 0.0, 0.0), rotation_matrix((1.0, 0.0, 0.0, 0.0)), 9.8)
+        request = YawRequest(flying, law(flying, At(ZERO, 0.0)), At(ZERO, 0.0))
+        assert yaw_rate_derivative(request, law, 9.8, 1.0, 2.0, Heading.PROJECTED) == pytest.approx(0.6)
+
+
+def test_commands_that_have_acted_are_let_go() -> None:
+    commands = tuple(TimedCommand(t, ZERO, 9.8) for t in (1.0, 2.0, 3.0))
+    assert recent_commands(commands, 0.5) == commands
+    assert [c.at for c in recent_commands(commands, 2.5)] == [2.0, 3.0]
+    assert [c.at for c in recent_commands(commands, 9.0)] == [3.0]
