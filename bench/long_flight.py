@@ -29,6 +29,7 @@ from companion.daemon.address import UdpPort
 from companion.daemon.priority import STATE_ID
 from companion.daemon.realtime import PRIORITY, at_priority
 from companion.mavlink.dialect import message
+from companion.mavlink.peer import Received, Source
 
 LONG = 0.020
 SHARE = 0.9999
@@ -51,19 +52,19 @@ class Watched(UdpPort):
         self._begun = 0.0
         Watched.ports.append(self)
 
-    def receive(self, timeout: float) -> list[bytes]:
+    def receive(self, timeout: float) -> list[Received]:
         """See Port. Noted: s of work since the last call (wall, processor), s of waiting, and the states that came."""
         called, cpu = time.monotonic(), time.thread_time()
         batch = super().receive(timeout)
         work = called - self._returned[0], cpu - self._returned[1]
         self._returned = (time.monotonic(), time.thread_time())
-        states = sum(data[7:10] == STATE_ID for data in batch)
+        states = sum(data[7:10] == STATE_ID for data, _ in batch)
         self._turns.append((self._returned[0], *work, self._returned[0] - called - max(timeout, 0.0), states))
         return batch
 
-    def send(self, data: bytes) -> None:
+    def send(self, data: bytes, to: Source) -> None:
         """See Port."""
-        super().send(data)
+        super().send(data, to)
         if data[7] != SETPOINT:
             return
         now = time.monotonic()

@@ -70,6 +70,7 @@ def _of_the_link(conductor: Conductor) -> list[str]:
             f"the link brought {counters.garbage_bytes} bytes that were no message and {counters.bad_crc} damaged "
             f"messages, beside {counters.frames + counters.unknown} good ones; they were skipped"
         )
+    notes += conductor.link.peers.words()
     refused = conductor.telemetry.refused.items()
     return notes + [f"{count} states of the vehicle were not used: {reason}" for reason, count in refused]
 

@@ -9,30 +9,43 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from companion.daemon.conductor import Conductor
+from companion.mavlink.peer import Received
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
 
-COMPANION_ENDPOINT = 0
+COMPANION_ENDPOINT, GROUND_STATION_ENDPOINT = 0, 1
 
 
 def fly(conductor: Conductor, bridge: Bridge, watch: Callable[[Conductor, Truth], None], time_out: float) -> None:
     """Fly until the conductor is done, ``time_out`` s of simulated time at most. ``watch`` is called at every step."""
+    conductor.link.peers.call(COMPANION_ENDPOINT)
     begun = bridge.now
     while not conductor.done and bridge.now - begun < time_out:
         bridge.step()
         now = bridge.now
-        arrived = [datagram for endpoint, datagram in bridge.datagrams() if endpoint == COMPANION_ENDPOINT]
+        arrived = _arrived(bridge)
         while arrived or now >= conductor.next_timer():
             if arrived:
                 conductor.receive(arrived, now)
             if now >= conductor.next_timer():
                 conductor.on_timer(now)
-            for datagram in conductor.datagrams():
-                bridge.receive(datagram, COMPANION_ENDPOINT)
+            _send(conductor, bridge)
             conductor.sent()
-            for datagram in conductor.datagrams():
-                bridge.receive(datagram, COMPANION_ENDPOINT)
-            arrived = [datagram for endpoint, datagram in bridge.datagrams() if endpoint == COMPANION_ENDPOINT]
+            _send(conductor, bridge)
+            arrived = _arrived(bridge)
             if conductor.done:
                 break
         watch(conductor, bridge.truth)
+
+
+def _arrived(bridge: Bridge) -> list[Received]:
+    """What came for the companion: from the vehicle's endpoint, or from strangers beside it."""
+    return [(data, endpoint) for endpoint, data in bridge.datagrams() if endpoint != GROUND_STATION_ENDPOINT]
+
+
+def _send(conductor: Conductor, bridge: Bridge) -> None:
+    """What goes to the vehicle, where it was last met."""
+    to = conductor.link.peers.to
+    for datagram in conductor.datagrams():
+        if isinstance(to, int):
+            bridge.receive(datagram, to)

@@ -37,7 +37,7 @@ def in_words(standing: Standing) -> str:
     else:
         head = f"{who}: {told.get('phase', '?')}"
     lines = [head]
-    for label in ("link", "mode", "battery", "progress", "record"):
+    for label in ("link", "mode", "battery", "progress", "others", "record"):
         value = told.get(label)
         if value:
             lines.append(f"  {label:{LABEL}} {value}")

@@ -7,16 +7,17 @@ serial:///dev/NAME:BAUD
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import errno
 import select
 import socket
-import time
 from collections.abc import Callable
 from urllib.parse import urlsplit
 
 from companion.daemon.port import AddressError, Port
 from companion.daemon.serial import SerialPort, known_rate
+from companion.mavlink.peer import Received, Source, source_words
 
 RECEIVE_BUFFER = 1 << 20
 """bytes. The default holds 256 small datagrams: a quarter of a second of a busy link."""
@@ -25,29 +26,15 @@ BATCH_MAX = 4096
 """Datagrams that are drained before the newest state is acted on: more than the buffer holds after any stall."""
 
 
-PEER_SILENT = 2.0
-"""s."""
-AUTOPILOT_COMPONENT = 1
-
-
-def is_autopilots_heartbeat(data: bytes) -> bool:
-    """Whether a datagram begins with an autopilot's HEARTBEAT, as far as its header says."""
-    if len(data) >= 12 and data[0] == 0xFD:
-        return data[6] == AUTOPILOT_COMPONENT and data[7:10] == b"\0\0\0"
-    return len(data) >= 8 and data[0] == 0xFE and data[4] == AUTOPILOT_COMPONENT and data[5] == 0
-
-
 class UdpPort:
-    """A UDP socket that talks to one peer: the one it calls, or the first autopilot it hears. An autopilot that comes
-    from another address is the peer when the first one has been silent for a while: it was started again."""
+    """A UDP socket. Whom it hears and talks to is decided by ``mavlink.peer``."""
 
     stream = False
 
     def __init__(self, host: str, port: int, *, listen: bool) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._listens = listen
-        self._peer: tuple[str, int] | None = None if listen else (host, port)
-        self._peer_at = 0.0
+        self.called: Source | None = None if listen else (host, port)
+        self.exposed = not host.startswith("127.")
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
         self._socket.setblocking(False)
         try:
@@ -60,41 +47,25 @@ class UdpPort:
             raise AddressError(f"UDP {host}:{port} cannot be opened: {error.strerror}{hint}") from None
         self.local: tuple[str, int] = self._socket.getsockname()
 
-    def receive(self, timeout: float) -> list[bytes]:
+    def receive(self, timeout: float) -> list[Received]:
         """See Port."""
-        batch: list[bytes] = []
-        heard = False
+        batch: list[Received] = []
         receive = self._socket.recvfrom
         try:
             # select waits to the microsecond, a socket's own time-out to the next millisecond
             if timeout > 0.0 and not select.select([self._socket], (), (), timeout)[0]:
                 return batch
             while len(batch) < BATCH_MAX:
-                data, address = receive(DATAGRAM_MAX)
-                if address == self._peer:
-                    heard = True
-                elif self._listens:
-                    self._met(data, address)
-                batch.append(data)
+                batch.append(receive(DATAGRAM_MAX))
         except OSError:  # nothing more, or what an unreachable peer leaves behind
             pass
-        if heard:
-            self._peer_at = time.monotonic()
         return batch
 
-    def _met(self, data: bytes, address: tuple[str, int]) -> None:
-        """A datagram from somebody who is not the peer. Garbage and ground stations do not become it."""
-        now = time.monotonic()
-        if is_autopilots_heartbeat(data) and (self._peer is None or now - self._peer_at > PEER_SILENT):
-            self._peer, self._peer_at = address, now
-
-    def send(self, data: bytes) -> None:
+    def send(self, data: bytes, to: Source) -> None:
         """See Port."""
-        if self._peer is not None:
-            try:
-                self._socket.sendto(data, self._peer)
-            except OSError:  # nobody there: UDP may lose it, and the guards see the silence
-                return
+        assert isinstance(to, tuple)  # an address that ``receive`` has given
+        with contextlib.suppress(OSError):  # nobody there: UDP may lose it, and the guards see the silence
+            self._socket.sendto(data, to)
 
     def close(self) -> None:
         """See Port."""
@@ -102,7 +73,8 @@ class UdpPort:
 
     def describe(self) -> str:
         """See Port."""
-        return f"UDP {self.local[0]}:{self.local[1]}" + (f" to {self._peer[0]}:{self._peer[1]}" if self._peer else "")
+        local = f"UDP {self.local[0]}:{self.local[1]}"
+        return local if self.called is None else f"{local} to {source_words(self.called)}"
 
 
 def opened(url: str) -> Port:

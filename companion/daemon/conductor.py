@@ -24,6 +24,7 @@ from companion.mavlink import requests, setpoints, telemetry
 from companion.mavlink.codec import Decoder
 from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.mavlink.parameters import Parameters
+from companion.mavlink.peer import AUTOPILOT_COMPONENT, Received
 from companion.pilot import First, Memory, Observation, Outcome
 from companion.plan import Plan
 from companion.record.folder import Recorder
@@ -134,7 +135,7 @@ class Conductor:
         self._stop = True
         self._wake_at = -math.inf
 
-    def receive(self, batch: Sequence[bytes], now: float) -> None:
+    def receive(self, batch: Sequence[Received], now: float) -> None:
         """Take in what arrived at ``now``. Several datagrams are taken in before the newest state is acted on."""
         self._conclude()
         status = self.telemetry.status
@@ -142,16 +143,24 @@ class Conductor:
         if state is not None or answer is not None or self.telemetry.status is not status:
             self._tick(state, answer, now, max(count - 1, 0))
 
-    def take_in(self, batch: Sequence[bytes], now: float) -> tuple[VehicleState | None, Answer | None, int]:
+    def take_in(self, batch: Sequence[Received], now: float) -> tuple[VehicleState | None, Answer | None, int]:
         """Read what arrived at ``now`` and act on nothing: the newest state, the last answer to a request, and how many
-        states came. ``receive`` flies on it; whoever ends a flight whose pilot has failed only looks."""
+        states came. ``receive`` flies on it; whoever ends a flight whose pilot has failed only looks. What comes from
+        elsewhere than the vehicle is counted and has no effect."""
         self._now = now
         state: VehicleState | None = None
         answer: Answer | None = None
         count = 0
-        decode = self.decoder.stream if self._stream else self.decoder.datagram
-        for data in batch:
-            for frame in decode(data):
+        decoder, stream, peers = self.decoder, self._stream, self.link.peers
+        for data, source in batch:
+            if source == peers.heard:
+                peers.heard_at = now
+            elif peers.knock(data, source, now):
+                decoder.restart()
+                self.link.met_again(now)
+            else:
+                continue
+            for frame in decoder.stream(data) if stream else decoder.piece(data, now):
                 acknowledged = self.link.receive(frame, now)
                 if acknowledged is not None:
                     answer = self._answer(*acknowledged)
@@ -262,7 +271,7 @@ class Conductor:
         """Have a setpoint sent, with the time of its state."""
         if self.link.identity is not None:
             stamp = memory.state.t_boot if memory.state is not None else 0.0
-            target = (self.link.identity.system, wire.AUTOPILOT_COMPONENT)
+            target = (self.link.identity.system, AUTOPILOT_COMPONENT)
             self.link.send(*setpoints.encoded(setpoint, stamp, *target))
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
@@ -276,6 +285,7 @@ class Conductor:
             preparation.restore(now)
         if self.plan is None:
             return
+        self.link.peers.flying = True
         self.memory = pilot.begin(now)
         if self._recorder is not None:
             self._recorder.begin(self.plan, now)

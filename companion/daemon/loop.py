@@ -24,6 +24,7 @@ from companion.daemon.signals import ending_signals
 from companion.daemon.status_file import Notice
 from companion.daemon.systemd import Service
 from companion.daemon.warm_up import Rehearsal
+from companion.mavlink.peer import Received
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
 
@@ -76,6 +77,8 @@ def run(
 
 
 def _fly(conductor: Conductor, port: Port, service: Service, wait_for_vehicle: float) -> None:
+    if port.called is not None:
+        conductor.link.peers.call(port.called)
     begun = clock()
     rhythm, rehearsal = Rhythm(), Rehearsal()
     states = 0
@@ -84,7 +87,9 @@ def _fly(conductor: Conductor, port: Port, service: Service, wait_for_vehicle: f
         batch = _next(conductor, port, rhythm, rehearsal)
         arrived = clock()
         if batch:
-            urgent, later = (batch, []) if port.stream else parted(batch, conductor.decoder.wanted)
+            urgent, later = (
+                (batch, []) if port.stream else parted(batch, conductor.decoder.wanted, conductor.link.peers.heard)
+            )
             conductor.receive(urgent, arrived)
             _send(conductor, port, arrived)
             if conductor.states != states:
@@ -103,15 +108,13 @@ def _fly(conductor: Conductor, port: Port, service: Service, wait_for_vehicle: f
             frozen = True
             _freeze()
         if conductor.link.identity is None and now - begun > wait_for_vehicle:
-            counters = conductor.decoder.counters
+            heard = conductor.link.peers.heard_words(conductor.decoder.counters)
             raise NoVehicleError(
-                f"no vehicle: listened to {port.describe()} for {wait_for_vehicle:g} s and heard "
-                f"{counters.frames + counters.unknown} MAVLink messages and {counters.garbage_bytes} bytes of garbage, "
-                "but no autopilot's heartbeat; is it on, and does it send here?"
+                f"no vehicle: listened to {port.describe()} for {wait_for_vehicle:g} s and heard {heard}"
             )
 
 
-def _next(conductor: Conductor, port: Port, rhythm: Rhythm, rehearsal: Rehearsal) -> list[bytes]:
+def _next(conductor: Conductor, port: Port, rhythm: Rhythm, rehearsal: Rehearsal) -> list[Received]:
     """What arrives next; nothing, where something else is due first."""
     now = clock()
     timer = min(conductor.next_timer(), now + IDLE_MAX)
@@ -136,11 +139,14 @@ def _next(conductor: Conductor, port: Port, rhythm: Rhythm, rehearsal: Rehearsal
 
 
 def _send(conductor: Conductor, port: Port, arrived: float = math.nan) -> None:
+    to = conductor.link.peers.to
     for datagram in conductor.datagrams():
-        port.send(datagram)
+        if to is not None:
+            port.send(datagram, to)
     conductor.sent(clock() - arrived)
     for datagram in conductor.datagrams():
-        port.send(datagram)
+        if to is not None:
+            port.send(datagram, to)
 
 
 def _freeze() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from companion.mavlink.peer import Received, Source
 from companion.vehicle import CompanionError
 
 
@@ -12,14 +13,17 @@ class AddressError(CompanionError):
 
 
 class Port(Protocol):
-    """An open link. ``stream``: bytes come in pieces rather than datagrams."""
+    """An open link. ``stream``: bytes come in pieces rather than datagrams. ``called``: whom it talks to from the
+    start; None: it listens. ``exposed``: others than this computer and what is wired to it can send here."""
 
     stream: bool
+    called: Source | None
+    exposed: bool
 
-    def receive(self, timeout: float) -> list[bytes]:
-        """What has arrived: waits at most ``timeout`` s for the first piece, then takes all there is."""
+    def receive(self, timeout: float) -> list[Received]:
+        """What has arrived, and from whom: waits at most ``timeout`` s for the first, then takes all there is."""
 
-    def send(self, data: bytes) -> None:
+    def send(self, data: bytes, to: Source) -> None:
         """Send one frame. A peer that is away is no error."""
 
     def close(self) -> None:

@@ -12,6 +12,7 @@ from companion.frames import Vec3
 from companion.geodesy import LocalFrame
 from companion.mavlink.link import Identity, Link
 from companion.mavlink.parameters import TUNING, Parameters
+from companion.mavlink.peer import source_words
 from companion.mavlink.telemetry import Telemetry
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
@@ -148,6 +149,16 @@ class Preparation:
         if self.link.others:
             systems = ", ".join(str(system) for system in sorted({identity.system, *self.link.others}))
             return f"two autopilots speak on the link (systems {systems}); connect to the one that is to fly"
+        peers = self.link.peers
+        if peers.rival is not None:
+            ours = f"system {identity.system} at {source_words(peers.heard)}"
+            return f"two vehicles are heard, {ours} and {peers.rival}; switch one off, or connect to one alone"
+        if self.link.replaced is not None:
+            was, is_now = self.link.replaced
+            return (
+                f"another vehicle answers as system {identity.system}: its uid is {is_now} and was {was}; start again "
+                "when only the one that is to fly is on"
+            )
         if orders.level is not OutputLevel.MOTORS:
             return None
         refused = output.motors_refused(orders.vehicle, identity.direct_motors)

@@ -5,23 +5,30 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from companion.mavlink.codec import MAGIC_V2
+from companion.mavlink.peer import Received, Source
 from companion.mavlink.telemetry import ODOMETRY
 
 STATE_ID = ODOMETRY.id.to_bytes(3, "little")
 
 
-def parted(batch: Sequence[bytes], wanted: Collection[int] | None) -> tuple[list[bytes], list[bytes]]:
+def parted(
+    batch: Sequence[Received], wanted: Collection[int] | None, vehicle: Source | None
+) -> tuple[list[Received], list[Received]]:
     """(now, later), each in the order of arrival. What came after the newest state can wait, and so can a message that
-    nobody reads: it only goes to the record. An acknowledgement or a change of mode before it never waits."""
+    nobody reads, which only goes to the record, and what does not come from the ``vehicle``'s source. An
+    acknowledgement or a change of mode before it never waits."""
     for i in range(len(batch), 0, -1):
-        if batch[i - 1][7:10] == STATE_ID:
+        data, source = batch[i - 1]
+        if data[7:10] == STATE_ID and source == vehicle:
             break
     else:
         return list(batch), []
-    now: list[bytes] = []
-    later: list[bytes] = []
-    for data in batch[:i]:
-        (later if wanted is not None and _is_one_of_others(data, wanted) else now).append(data)
+    now: list[Received] = []
+    later: list[Received] = []
+    for received in batch[:i]:
+        data, source = received
+        waits = source != vehicle or (wanted is not None and _is_one_of_others(data, wanted))
+        (later if waits else now).append(received)
     later += batch[i:]
     return now, later
 

@@ -49,6 +49,9 @@ def standing(conductor: Conductor) -> dict[str, str | None]:
         said["phase"] = conductor.memory.phase.value
     if plan is not None:
         said["output"] = plan.level.value
+    others = conductor.link.peers.words()
+    if others:
+        said["others"] = "; ".join(others)
     if status.mode is not None:
         said["mode"] = f"{status.mode.words}, {'armed' if status.armed else 'disarmed'}"
     if status.battery is not None:

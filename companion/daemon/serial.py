@@ -13,6 +13,7 @@ import tty
 from pathlib import Path
 
 from companion.daemon.port import AddressError
+from companion.mavlink.peer import LINE, Received, Source
 
 CHUNK_MAX = 65536
 REOPEN_AFTER = 0.5
@@ -23,6 +24,8 @@ class SerialPort:
     """One device. Unplugged, it is silent, which the guards see; plugged in again, it speaks again."""
 
     stream = True
+    called: Source | None = LINE
+    exposed = False
 
     def __init__(self, device: str, baud: int) -> None:
         self._device, self._baud = device, baud
@@ -30,7 +33,7 @@ class SerialPort:
         self._unsent = b""
         self._tried_at = 0.0
 
-    def receive(self, timeout: float) -> list[bytes]:
+    def receive(self, timeout: float) -> list[Received]:
         """See Port."""
         if self._file is None:
             self._reopen(timeout)
@@ -47,9 +50,9 @@ class SerialPort:
         if not data:
             self.close()
             return []
-        return [data]
+        return [(data, LINE)]
 
-    def send(self, data: bytes) -> None:
+    def send(self, data: bytes, to: Source) -> None:
         """See Port. A frame that does not fit is dropped whole: half of one would spoil the next for the other side."""
         if self._file is None:
             return

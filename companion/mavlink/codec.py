@@ -106,6 +106,11 @@ class Decoder:
         self._pending = joined[used:]
         return frames
 
+    def restart(self) -> None:
+        """Another sender speaks from now on: nothing is waited for, and no sequence is continued."""
+        self._pending = b""
+        self._sequence.clear()
+
     def _whole(self, data: bytes) -> list[Frame] | None:
         """The frames of a datagram that is one whole unsigned MAVLink 2 frame and no more: the usual case, quickly."""
         size = len(data)

@@ -8,25 +8,22 @@ Bytes go out through ``outgoing``; every door takes ``now`` (s, our monotonic cl
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from companion.mavlink.codec import Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink.peer import AUTOPILOT_COMPONENT, AUTOPILOT_INVALID, HEARTBEAT, Peers, vehicle_of
 from companion.mavlink.requests import COMMAND_LONG, Command, Requests, request
 from companion.plain_text import printable
 
-HEARTBEAT = message("HEARTBEAT")
 COMMAND_ACK = message("COMMAND_ACK")
 TIMESYNC = message("TIMESYNC")
 AUTOPILOT_VERSION = message("AUTOPILOT_VERSION")
 STATUSTEXT = message("STATUSTEXT")
 WANTED = frozenset({HEARTBEAT.id, COMMAND_ACK.id, TIMESYNC.id, AUTOPILOT_VERSION.id, STATUSTEXT.id})
 
-AUTOPILOT_COMPONENT = 1
 ONBOARD_COMPUTER = 191
 TYPE_ONBOARD_CONTROLLER = 18
-TYPE_GCS = 6
-AUTOPILOT_INVALID = 8
 AUTOPILOT_PX4 = 12
 STATE_ACTIVE = 4
 CAPABILITY_ACTUATORS = 1024
@@ -42,13 +39,16 @@ COMPANION_GONE = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Who answered: MAVLink ids, autopilot kind, and what it says it can do once asked (None until then)."""
+    """Who answered: MAVLink ids, autopilot kind, and what it says of itself once asked (None until then).
+
+    ``uid``: of the hardware, hexadecimal; None where it does not say."""
 
     system: int
     autopilot: int
     type: int
     capabilities: int | None = None
     version: tuple[int, int, int] | None = None
+    uid: str | None = None
 
     @property
     def direct_motors(self) -> bool | None:
@@ -60,13 +60,16 @@ class Identity:
 class Link:
     """One companion's side of the conversation.
 
-    ``identity``: None until an autopilot was heard. ``others``: further autopilots on the link, by system id.
+    ``identity``: None until a multirotor's autopilot was heard. ``others``: further ones on its own link, by system id.
+    ``peers``: which source is the vehicle's. ``replaced``: uids of another vehicle that answered under the same id.
     ``round_trip``: s, the median of the last few. ``texts``: what the vehicle said in words since they were last taken.
     """
 
     streams: tuple[Command, ...] = ()
     identity: Identity | None = None
     others: dict[int, int] = field(default_factory=dict)
+    peers: Peers = field(default_factory=Peers)
+    replaced: tuple[str, str] | None = None
     _companion_at: float = -math.inf
     round_trip: float | None = None
     _round_trips: tuple[float, ...] = ()
@@ -95,7 +98,7 @@ class Link:
         return self.identity is not None and self.identity.autopilot == AUTOPILOT_PX4
 
     def companions(self, now: float) -> int:
-        """How many others of our kind were heard of late."""
+        """How many others of our kind were heard of late, in the vehicle's own system."""
         return int(now - self._companion_at < COMPANION_GONE)
 
     def of_vehicle(self, frame: Frame) -> bool:
@@ -139,19 +142,35 @@ class Link:
             due += (self._timesync_at + TIMESYNC_PERIOD, self.requests.next_timer())
         return min(due)
 
+    def met_again(self, now: float) -> None:
+        """The vehicle was met at another source: it may have been started again, so everything is asked once more."""
+        if self.identity is not None and not self.peers.flying:
+            self._introduce(now)
+
     def _meet(self, frame: Frame, now: float) -> None:
-        _, kind, autopilot, _, _, _ = frame.values
-        if frame.component == ONBOARD_COMPUTER and kind == TYPE_ONBOARD_CONTROLLER:
-            self._companion_at = now  # our own are never sent back to us
-        if frame.component != AUTOPILOT_COMPONENT or autopilot == AUTOPILOT_INVALID or kind == TYPE_GCS:
-            return
-        if self.identity is None:
-            self.identity = Identity(frame.system, autopilot, kind)
-            self.encoder.system = frame.system
-            self.requests.set_up([request(AUTOPILOT_VERSION.id), *self.streams])
-            self.on_timer(now)
-        elif frame.system != self.identity.system:
-            self.others[frame.system] = autopilot
+        identity, vehicle = self.identity, vehicle_of(frame)
+        if vehicle is None:
+            if frame.component == ONBOARD_COMPUTER and frame.values[1] == TYPE_ONBOARD_CONTROLLER:
+                self._hear_companion(frame.system, now)
+        elif identity is None and vehicle.is_multirotor:
+            self.identity = Identity(frame.system, vehicle.autopilot, vehicle.kind)
+            self.peers.system = self.encoder.system = frame.system
+            self._introduce(now)
+        elif identity is None or frame.system != identity.system:
+            self.peers.bystander(str(vehicle))
+            if vehicle.is_multirotor:
+                self.others[frame.system] = vehicle.autopilot
+
+    def _hear_companion(self, system: int, now: float) -> None:
+        """Another companion flies our vehicle, or one of another system is forwarded. Our own are never sent back."""
+        if self.identity is not None and system == self.identity.system:
+            self._companion_at = now
+        else:
+            self.peers.bystander(f"a companion of system {system}")
+
+    def _introduce(self, now: float) -> None:
+        self.requests.set_up([request(AUTOPILOT_VERSION.id), *self.streams])
+        self.on_timer(now)
 
     def _acknowledged(self, frame: Frame, now: float) -> tuple[Command, int] | None:
         command, result, _, _, system, component = frame.values
@@ -163,12 +182,15 @@ class Link:
         values = AUTOPILOT_VERSION.named(frame.values)
         version = values["flight_sw_version"]
         assert self.identity is not None
-        self.identity = Identity(
-            self.identity.system,
-            self.identity.autopilot,
-            self.identity.type,
-            values["capabilities"],
-            (version >> 24, version >> 16 & 0xFF, version >> 8 & 0xFF),
+        uid = _uid(values)
+        if uid is not None and self.identity.uid not in (None, uid):
+            self.replaced = (str(self.identity.uid), uid)
+            return
+        self.identity = replace(
+            self.identity,
+            capabilities=values["capabilities"],
+            version=(version >> 24, version >> 16 & 0xFF, version >> 8 & 0xFF),
+            uid=uid,
         )
 
     def _synchronise(self, frame: Frame, now: float) -> None:
@@ -184,3 +206,10 @@ class Link:
         assert self.identity is not None
         target = (self.identity.system, AUTOPILOT_COMPONENT)
         self.send(COMMAND_LONG, (*command.padded, command.id, *target, confirmation))
+
+
+def _uid(values: dict[str, Value]) -> str | None:
+    """The hardware's number in AUTOPILOT_VERSION: the long one where it is given."""
+    if any(values["uid2"]):
+        return bytes(values["uid2"]).hex()
+    return f"{values['uid']:016x}" if values["uid"] else None

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from companion.daemon import address
 from companion.daemon.address import UdpPort, opened, parsed
 from companion.daemon.port import AddressError
 from companion.daemon.serial import SerialPort
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import message
+from companion.mavlink.peer import LINE, Received
 from tests.flights.test_paper_cases import companion
 
 HEARTBEAT, ATTITUDE, ODOMETRY = message("HEARTBEAT"), message("ATTITUDE"), message("ODOMETRY")
@@ -82,11 +82,11 @@ def test_a_serial_line_finds_its_way_back_after_garbage_and_half_frames() -> Non
     found = []
     for piece in spoilt:
         os.write(master, piece)
-        for data in port.receive(0.2):
+        for data, _ in port.receive(0.2):
             found += [frame.raw for frame in decoder.stream(data)]
     kept = [*frames[1:5], *frames[6:9], *frames[9:]]
     assert found == kept
-    port.send(frames[0])
+    port.send(frames[0], LINE)
     assert os.read(master, 4096) == frames[0]
     port.close()
 
@@ -102,12 +102,12 @@ def test_a_line_that_is_unplugged_is_silent_and_comes_back(monkeypatch: pytest.M
     for _ in range(4):
         assert port.receive(0.05) == []  # it waits: no loop at full speed
     assert time.monotonic() - begun > 0.1
-    port.send(b"lost")
+    port.send(b"lost", LINE)
     master, slave = pty.openpty()
     link.unlink()
     link.symlink_to(os.ttyname(slave))
     until = time.monotonic() + 5.0
-    data: list[bytes] = []
+    data: list[Received] = []
     while not data and time.monotonic() < until:
         os.write(master, b"\xfd")
         data = port.receive(0.1)
@@ -115,50 +115,37 @@ def test_a_line_that_is_unplugged_is_silent_and_comes_back(monkeypatch: pytest.M
     port.close()
 
 
-def test_garbage_and_ground_stations_do_not_become_the_peer() -> None:
+def test_each_datagram_comes_with_its_source_and_goes_where_it_is_sent() -> None:
     port = UdpPort("127.0.0.1", 0, listen=True)
-    fool, station, vehicle = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(3))
-    for each, data in (
-        (fool, b"\xfd\x00garbage"),
-        (station, Encoder(255, 190).message(HEARTBEAT, type=6)),
-        (vehicle, Encoder(1, 1).message(ATTITUDE)),
-    ):
-        each.sendto(data, port.local)
-        assert port.receive(1.0)
-    port.send(b"nobody yet")
-    vehicle.sendto(Encoder(1, 1).message(HEARTBEAT, type=2, autopilot=12), port.local)
-    fool.sendto(b"\xfd", port.local)
-    assert port.receive(1.0)
-    port.send(b"setpoint")
-    vehicle.settimeout(2.0)
-    assert vehicle.recv(100) == b"setpoint"
-    for each in (fool, station):
-        each.setblocking(False)
-        with pytest.raises(BlockingIOError):
-            each.recv(100)
-        each.close()
-    vehicle.close()
-    port.close()
-
-
-def test_a_vehicle_that_was_started_again_is_found_at_its_new_address(monkeypatch: pytest.MonkeyPatch) -> None:
-    port = UdpPort("127.0.0.1", 0, listen=True)
-    heartbeat = Encoder(1, 1).message(HEARTBEAT, type=2, autopilot=12)
     first, second = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
-    for each in (first, second):
+    sources = []
+    for each, data in ((first, b"a"), (second, b"b")):
         each.settimeout(2.0)
-        each.sendto(heartbeat, port.local)
-        assert port.receive(1.0)
-    port.send(b"a")
-    assert first.recv(10) == b"a"  # a second vehicle does not take the link from the first
-    clock = time.monotonic
-    monkeypatch.setattr(address.time, "monotonic", lambda: clock() + 10.0)
-    second.sendto(heartbeat, port.local)
-    assert port.receive(1.0)
-    port.send(b"b")
-    assert second.recv(10) == b"b"
+        each.sendto(data, port.local)
+        ((got, source),) = port.receive(1.0)
+        assert got == data
+        sources.append(source)
+    assert sources == [("127.0.0.1", first.getsockname()[1]), ("127.0.0.1", second.getsockname()[1])]
+    port.send(b"for the second", sources[1])
+    assert second.recv(100) == b"for the second"
+    first.setblocking(False)
+    with pytest.raises(BlockingIOError):
+        first.recv(100)
     for link in (first, second, port):
         link.close()
+    assert port.called is None
+    calling = UdpPort("127.0.0.1", 14999, listen=False)
+    assert calling.called == ("127.0.0.1", 14999)
+    assert calling.describe().endswith(" to 127.0.0.1:14999")
+    calling.close()
+
+
+def test_only_a_line_and_this_computer_are_closed_to_others() -> None:
+    for host, exposed in (("127.0.0.1", False), ("127.1.2.3", False), ("0.0.0.0", True)):
+        port = UdpPort(host, 0, listen=True)
+        assert port.exposed is exposed
+        port.close()
+    assert not SerialPort.exposed
 
 
 def test_all_that_waits_is_taken_at_once() -> None:

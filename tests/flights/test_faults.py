@@ -32,7 +32,7 @@ from companion.world.events import (
     Silence,
     When,
 )
-from tests.support.flights import GROUND_STATION, Flown, Operator, flight, once
+from tests.support.flights import COMPANION, GROUND_STATION, Flown, Operator, flight, once
 
 FLOOR = 5.0
 """m above the ground that no fault here may cost: the paths lie at 10 m and more."""
@@ -472,7 +472,7 @@ def test_another_vehicle_answers_in_flight() -> None:
 
     def speak(flown: Flown, now: float) -> None:
         if now > AT and round(now * 1000.0) % 100 == 0:
-            flown.conductor.receive(frames, now)
+            flown.conductor.receive([(frame, COMPANION) for frame in frames], now)
 
     watched = fly(meddle=speak)
     assert watched.through(), watched.flown.notes
@@ -484,7 +484,7 @@ def test_a_second_companion_speaks_on_the_link() -> None:
 
     def speak(flown: Flown, now: float) -> None:
         if now > AT and round(now * 1000.0) % 1000 == 0:
-            flown.conductor.receive([beat], now)
+            flown.conductor.receive([(beat, COMPANION)], now)
 
     watched = fly(meddle=speak, duration=10.0)
     assert watched.said.startswith("another companion speaks on the link")
