@@ -1,4 +1,4 @@
-# make demo   fly the paper's circle and write a report       make test   run every test
+# make demo   fly the paper's circle and write a report       make test   run every test, on every core
 #             make demo DEMO=--plain is undisturbed, DEMO=--fast as fast as the machine computes
 # make lint   ruff and mypy                                    make bench  the measurements the README and docs/ name
 
@@ -9,7 +9,7 @@ demo: .venv/installed-report
 	$(BIN)/companion demo $(DEMO)
 
 test: .venv/installed-test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadgroup
 
 lint: .venv/installed-test
 	$(BIN)/ruff check .

@@ -112,7 +112,7 @@ def _scaled(rng: random.Random, match: re.Match[str]) -> str:
 
 def _anywhere(choices: tuple[str, ...]) -> Mutation:
     def mutate(rng: random.Random, text: str) -> str:
-        at = rng.randrange(len(text))
+        at = rng.randrange(len(text) + 1)
         return text[:at] + rng.choice(choices) + text[at:]
 
     return mutate
@@ -131,7 +131,7 @@ MUTATIONS: dict[str, Mutation] = {
     "an expression": _instead(VALUE, lambda rng, match: rng.choice(EXPRESSIONS)),
     "broken syntax": _anywhere(BROKEN),
     "strange characters": _anywhere(WEIRD),
-    "cut off": lambda rng, text: text[: rng.randrange(len(text))],
+    "cut off": lambda rng, text: text[: rng.randrange(max(1, len(text)))],
     "a number in a list gone": _instead(re.compile(r"(?<=[\[,] )?-?\d+(?:\.\d+)?, "), lambda rng, match: ""),
     "a comma gone": _instead(re.compile(","), lambda rng, match: " "),
 }

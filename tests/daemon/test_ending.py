@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 FLY = [sys.executable, "-m", "companion", "sim", "circle_r5", "--output", "motors", "--record", "flight", "--json"]
 
 

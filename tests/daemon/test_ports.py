@@ -18,6 +18,8 @@ from companion.mavlink.dialect import message
 from companion.mavlink.peer import LINE, Received
 from tests.flights.test_paper_cases import companion
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 HEARTBEAT, ATTITUDE, ODOMETRY = message("HEARTBEAT"), message("ATTITUDE"), message("ODOMETRY")
 
 

@@ -16,6 +16,8 @@ from companion.cli.commands import main
 from companion.cli.status import in_words
 from companion.daemon.status_file import Notice, Standing, standings
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 ABOUT = {"mission": "circle", "vehicle": "x500", "output": "rates", "link": "UDP 127.0.0.1:14540", "record": "/f"}
 
 

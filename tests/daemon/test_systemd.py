@@ -14,6 +14,8 @@ import pytest
 
 from companion.daemon.systemd import Service
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 
 @pytest.fixture
 def manager(tmp_path: Path) -> socket.socket:

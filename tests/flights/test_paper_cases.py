@@ -70,6 +70,7 @@ def test_circle_on_an_x500_with_motor_lag_and_drag(tmp_path: Path) -> None:
     assert "bit for bit" in done.stdout
 
 
+@pytest.mark.xdist_group("real time")
 def test_two_processes_over_udp_in_real_time(tmp_path: Path) -> None:
     figures = sim(
         "circle_r5",

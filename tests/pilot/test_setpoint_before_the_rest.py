@@ -15,6 +15,8 @@ from companion.plan import Plan
 from companion.vehicle import Mode, VehicleState
 from tests.support.flights import Flown, flight
 
+pytestmark = pytest.mark.xdist_group("setpoint_before_the_rest")
+
 
 @pytest.fixture(scope="module")
 def following() -> tuple[Plan, Tick]:

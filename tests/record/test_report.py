@@ -28,6 +28,8 @@ from companion.record.report.tracks import along, kept
 from companion.record.summary import summary
 from companion.vehicle import CompanionError, OutputLevel
 
+pytestmark = pytest.mark.xdist_group("report")
+
 HOSTILE = "<script>alert('x')</script>&\"<img src=x onerror=alert(1)>"
 MISSION = """
 mission: {name}

@@ -16,6 +16,8 @@ from companion.record.table import load_table
 from companion.vehicle import OutputLevel
 from tests.support.flights import flight
 
+pytestmark = pytest.mark.xdist_group("report_estimates")
+
 LEARNED = ("pace", "thrust_scale", "drag", "push_north", "delay", "rate_lag")
 
 

@@ -19,6 +19,8 @@ from companion.services.plan_check import differences
 from companion.services.vehicle import fence_items
 from sim_bridge.autopilot.parameters import defaults
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 
 def weights(**changes: float) -> dict[str, Weight]:
     return {finding.parameter: finding.weight for finding in audited({**defaults(), **changes})}

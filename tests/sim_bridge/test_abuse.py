@@ -84,6 +84,7 @@ def test_one_who_flies_and_vanishes_leaves_a_vehicle_that_comes_home() -> None:
     assert client.height == pytest.approx(0.0, abs=0.05)
 
 
+@pytest.mark.xdist_group("real time")
 def test_a_flood_over_udp_does_not_stop_it() -> None:
     """Ten thousand datagrams a second; it goes on answering and ends when told to."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:

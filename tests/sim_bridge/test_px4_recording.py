@@ -16,6 +16,8 @@ import pytest
 from companion.config.world.world import load_world
 from tests.support.plant_client import Client
 
+pytestmark = pytest.mark.xdist_group("bridge/test_px4_recording")
+
 DATA = Path(__file__).parents[1] / "data"
 TOLERANCE = 0.1
 """The share by which the time between two events may differ; and, for short ones, the time PX4 itself scatters by."""

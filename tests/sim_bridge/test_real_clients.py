@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 SPEED = "8"
 FOR_ALL_OF_IT = 300.0
 

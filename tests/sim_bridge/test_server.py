@@ -25,6 +25,8 @@ from sim_bridge.server import Endpoint, EndpointError, Server, endpoint_of
 from sim_bridge.truth_file import BLOCK, HEADER_SIZE, TruthFile, header
 from tests.support.plant_client import Client
 
+pytestmark = pytest.mark.xdist_group("real time")
+
 
 class Peer:
     """A client on pymavlink and a socket of its own."""
