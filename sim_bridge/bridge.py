@@ -15,21 +15,30 @@ from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.codec import Counters, Frame
 from companion.vehicle import MotorInterface, Vehicle
 from companion.world import Start, World
+from companion.world.events import Operator, Stranger
 from sim_bridge.autopilot.autopilot import Autopilot
+from sim_bridge.autopilot.commander.commander import Result
+from sim_bridge.autopilot.flight_modes.manual_control import Deflection
 from sim_bridge.autopilot.mavlink.link import COMPONENT, SYSTEM, Link
 from sim_bridge.autopilot.mavlink.streams import GROUND_STATION, ONBOARD, Boot, Streams
 from sim_bridge.autopilot.messages import Values
 from sim_bridge.control.position import Target
-from sim_bridge.link_model import Passage
+from sim_bridge.link_model import LinkWay
 from sim_bridge.noise import Cause, normals
+from sim_bridge.operator import ask
 from sim_bridge.plant import OFF, Plant, Truth
 from sim_bridge.sensors import Sensors, exact
-from sim_bridge.world_events import WorldEvents
+from sim_bridge.strangers import Speaker
+from sim_bridge.world_events import COMPANION, Reach, WorldEvents
 
 FAST_STATE = 250.0
 """Hz. A vehicle that is asked for its state more often than this steps at 1 ms instead of PX4's 4 ms."""
 TEXTS, TEXTS_PERIOD = 8, 0.1
 """How many texts are told in so many s; what somebody provokes beyond is dropped, as by PX4's queue."""
+STICKS_US = 20_000
+"""us between two samples of a pilot's sticks: a joystick's 50 Hz."""
+FIRST_STRANGER = 2
+"""The endpoints from here on are those of strangers with a port of their own."""
 HOVER = Start.hover((0.0, 0.0, -10.0))
 
 
@@ -42,7 +51,8 @@ class Bridge:
     ``endpoints``: 1 leaves the ground station out. ``seed``: of every chance in the world. ValueError: the vehicle
     cannot be flown. Nothing received ever raises.
 
-    ``log``: lines for a person, to be taken out by whoever shows them.
+    ``log``: lines for a person, to be taken out by whoever shows them. ``orders``: what a world's operator asked for,
+    when, and the answer. ``ports_dialled``: how often the vehicle has changed its port to the companion.
     """
 
     def __init__(
@@ -63,7 +73,13 @@ class Bridge:
         self.direct = direct or vehicle.motors is MotorInterface.DIRECT
         self.plant = Plant(vehicle, world, self._per_second, seed)
         self._sensors = Sensors(world.estimate, self.step_s, normals(seed, Cause.ESTIMATE))
-        self.world_events = WorldEvents(world.events, self.plant, self._sensors)
+        self._up, self._down = LinkWay(world.link.up, seed, Cause.UP), LinkWay(world.link.down, seed, Cause.DOWN)
+        self.world_events = WorldEvents(
+            world.events,
+            Reach(
+                self.plant, self._sensors, self._down, self._up, self._ask, self._dial, normals(seed, Cause.SAID)
+            ),
+        )  # fmt: skip
         weight, lift = self.plant.vehicle.weight, self.plant.vehicle.thrust_max
         if self.plant.cells is not None:
             lift *= self.plant.cells.strength
@@ -89,8 +105,10 @@ class Bridge:
             Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot), boots=landed)
             for rates in (ONBOARD, GROUND_STATION)[:endpoints]
         ]
-        self._up = Passage(world.link.up, seed, Cause.UP) if world.link.up else None
-        self._down = Passage(world.link.down, seed, Cause.DOWN) if world.link.down else None
+        self._strangers: list[Stranger] = []
+        self._sticks_at_us = 0
+        self.ports_dialled = 0
+        self.orders: list[tuple[float, Operator, Result | None]] = []
         self._leaving: list[tuple[int, bytes]] = []
         self.log: list[str] = []
         self._noted = ("", 0.0)
@@ -120,10 +138,12 @@ class Bridge:
     def step(self) -> None:
         """Let one step pass."""
         now_us = self._count * self._step_us
-        if self._up is not None:
+        if not self._up.is_clear:
             for endpoint, datagram in self._up.arrived(now_us):
                 self._deliver(datagram, endpoint)
         self._count += 1
+        if self.world_events.any:
+            self._let_happen(now_us)
         if not self._held:
             self._pass()
         self._tell()
@@ -134,14 +154,41 @@ class Bridge:
             if link.outbox:
                 self._send(endpoint, link)
 
+    def _let_happen(self, now_us: int) -> None:
+        """What the world's events bring, at ``now_us`` of our clock. While the vehicle is held, their time stands."""
+        events, autopilot = self.world_events, self.autopilot
+        events.update(
+            self.plant.truth.t_boot, now_us, armed=autopilot.commander.armed, offboard_flown=autopilot.offboard_flown
+        )
+        alter = events.faults.altered if events.faults else None
+        for link in self.links:
+            link.alter = alter
+        sticks = events.sticks
+        if sticks is not None and now_us >= self._sticks_at_us:
+            self._sticks_at_us = now_us + STICKS_US
+            autopilot.take_sticks(Deflection(sticks.roll, sticks.pitch, sticks.yaw, sticks.throttle), events)
+        for speaker in events.speakers:
+            self._speak(speaker, now_us)
+
+    def _speak(self, speaker: Speaker, now_us: int) -> None:
+        """A stranger says what is due, from his own port or from ours."""
+        for datagram in speaker.said(now_us, self.autopilot.estimate.time_us):
+            if not speaker.who.own_port:
+                self._pass_down(COMPANION, datagram)
+                continue
+            if speaker.who not in self._strangers:
+                self._strangers.append(speaker.who)
+            self._leaving.append((FIRST_STRANGER + self._strangers.index(speaker.who), datagram))
+
+    def _ask(self, order: Operator) -> None:
+        self.orders.append((self.now, order, ask(self.autopilot, order)))
+
+    def _dial(self) -> None:
+        self.ports_dialled += 1
+
     def _pass(self) -> None:
         """A step in which the vehicle's own time passes."""
-        events, plant = self.world_events, self.plant
-        if events.any:
-            events.look(plant.truth.t_boot, self.autopilot.offboard_flown)
-            alter = events.altered if events.alters else None
-            for link in self.links:
-                link.alter = alter
+        plant = self.plant
         plant.step(self.autopilot.control())
         truth = plant.truth
         if plant.cells is not None:
@@ -150,19 +197,16 @@ class Bridge:
 
     def receive(self, datagram: bytes, endpoint: int = 0) -> None:
         """A datagram is sent to an endpoint, now."""
-        if endpoint in self.world_events.cut_up:
-            return
-        if self._up is not None:
-            self._up.send(self._count * self._step_us, endpoint, datagram)
-        else:
+        if self._up.is_clear_for(endpoint):
             self._deliver(datagram, endpoint)
+        else:
+            self._up.send(self._count * self._step_us, endpoint, datagram)
 
     def datagrams(self) -> list[tuple[int, bytes]]:
-        """What leaves now: (endpoint, datagram), oldest first."""
-        if self._down is not None:
-            return self._down.arrived(self._count * self._step_us)
+        """What leaves now: (endpoint, datagram), oldest first. From FIRST_STRANGER on they are the strangers', who
+        send to the companion from ports of their own."""
         ready, self._leaving = self._leaving, []
-        return ready
+        return ready if self._down.is_clear else self._down.arrived(self._count * self._step_us) + ready
 
     def _begin_in_flight(self, start: Start, world: World) -> None:
         """Put the vehicle in the air. At rest and level it is trimmed to stay there; otherwise it is as told."""
@@ -183,7 +227,7 @@ class Bridge:
         self.autopilot.begin_in_flight(self._sensors.observe(self.plant.truth), self.plant.truth, commands, disturbance)
 
     def _deliver(self, datagram: bytes, endpoint: int) -> None:
-        frames = self.links[endpoint].receive(datagram)
+        frames = self.links[endpoint].receive(datagram, is_piece=self._up.cuts(endpoint))
         if len(self.links) > 1:
             for frame in frames:
                 self._forward(frame, endpoint)
@@ -233,13 +277,15 @@ class Bridge:
             self._noted = (line, self.now)
 
     def _send(self, endpoint: int, link: Link) -> None:
-        if endpoint not in self.world_events.cut_down:
-            if self._down is not None:
-                for datagram in link.outbox:
-                    self._down.send(self._count * self._step_us, endpoint, datagram)
-            else:
-                self._leaving += [(endpoint, datagram) for datagram in link.outbox]
+        for datagram in link.outbox:
+            self._pass_down(endpoint, datagram)
         link.outbox.clear()
+
+    def _pass_down(self, endpoint: int, datagram: bytes) -> None:
+        if self._down.is_clear_for(endpoint):
+            self._leaving.append((endpoint, datagram))
+        else:
+            self._down.send(self._count * self._step_us, endpoint, datagram)
 
 
 def _against(wind_n: Vec3, drag: float, gravity: float) -> Vec3:

@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from typing import NamedTuple
 
-from companion.world.events import ClockJump, EstimatorReset, Event, Happening, Jump, When
+from companion.world.events import (
+    After,
+    ClockJump,
+    EstimatorReset,
+    Event,
+    Happening,
+    Jump,
+    Operator,
+    PortChange,
+    When,
+)
 
-HAPPEN_ONCE = (EstimatorReset, ClockJump)
+HAPPEN_ONCE = (EstimatorReset, ClockJump, Operator, PortChange)
 ROUNDING = 1e-9
+
+
+class Marks(NamedTuple):
+    """Plant time (s) of what events count from; None: it has not been yet."""
+
+    armed: float | None = None
+    offboard: float | None = None
 
 
 class Script:
@@ -29,20 +48,17 @@ class Script:
         else:
             self._lasting.append(event)
 
-    def now(self, t: float, offboard_at: float | None) -> list[Happening]:
-        """What lasts at ``t``; ``offboard_at``: when the first setpoint was flown in OFFBOARD. Plant time, s."""
-        return [event for event in self._lasting if _lasts(event.when, t, offboard_at)]
+    def now(self, t: float, marks: Marks) -> list[Happening]:
+        """What lasts at ``t``, plant time in s."""
+        return [event for event in self._lasting if _lasts(event.when, t, marks)]
 
-    def happened(self, t: float, offboard_at: float | None) -> list[Jump]:
-        """What has come due since the last time it was asked."""
-        happened = [event for event in self._due if _lasts(event.when._replace(end=t + 1.0), t, offboard_at)]
+    def happened(self, t: float, marks: Marks) -> list[Jump]:
+        """What has come due since the last time it was asked, in order of time."""
+        happened = [event for event in self._due if _lasts(event.when._replace(end=math.inf), t, marks)]
         self._due = [event for event in self._due if event not in happened]
-        return happened
+        return sorted(happened, key=lambda event: event.when.begin)
 
 
-def _lasts(when: When, t: float, offboard_at: float | None) -> bool:
-    if when.after_offboard:
-        if offboard_at is None:
-            return False
-        t -= offboard_at
-    return when.begin <= t + ROUNDING < when.end
+def _lasts(when: When, t: float, marks: Marks) -> bool:
+    since = 0.0 if when.after is After.START else marks.armed if when.after is After.ARMED else marks.offboard
+    return since is not None and when.begin <= t - since + ROUNDING < when.end

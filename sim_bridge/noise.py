@@ -23,6 +23,7 @@ class Cause(enum.IntEnum):
     ESTIMATE = 1
     DOWN = 2
     UP = 3
+    SAID = 4
 
 
 def normals(seed: int, cause: Cause) -> Draw:

@@ -82,7 +82,8 @@ class Sensors:
         """The estimate jumps. As in PX4 each of velocity, position and heading counts, level and vertical apart."""
         (x, y, z), (u, v, w) = event.position_n, event.velocity_n
         counts = sum(map(bool, (x or y, z, u or v, w, event.yaw)))
-        self._resets = (self._resets + counts) & 0xFF
+        if event.counted:
+            self._resets = (self._resets + counts) & 0xFF
         self._p_moved = _sum(self._p_moved, event.position_n)
         self._v_moved = _sum(self._v_moved, event.velocity_n)
         half = 0.5 * event.yaw

@@ -33,7 +33,8 @@ MAY_IMPORT: dict[str, str] = {
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "pilot": "frames vehicle law paths mission steering flight plan",
     "mavlink": "frames vehicle plain_text",
-    "config": "plain_text frames fence geodesy plans calculus vehicle world paths profiles law mission",
+    # mavlink: world files name messages
+    "config": "plain_text frames fence geodesy plans calculus vehicle world paths profiles law mission mavlink",
     "record": "frames vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
     "daemon": "plain_text frames geodesy vehicle paths estimation flight mission places plan pilot mavlink record",
     "services": "frames fence geodesy vehicle flight places plans",

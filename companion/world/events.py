@@ -1,6 +1,10 @@
-"""What happens in a world at a time: pushes, holds, failures, resets, cuts.
+"""What happens in a world at a time: to the machine, to its estimate, to what it says, to its links; and who acts.
 
-A time is counted from the plant's start, or from the first setpoint that is flown in OFFBOARD.
+    events        pushes, holds, failures, resets; what the vehicle says wrongly of its state
+    link_events   what becomes of datagrams while it lasts
+    actors        the operator, the pilot's sticks, strangers on the link
+
+A time is counted from the plant's start, from the first arming, or from the first setpoint that is flown in OFFBOARD.
 """
 
 from __future__ import annotations
@@ -8,20 +12,26 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from companion.frames import Vec3
+from companion.world.actors import Operator, Order, PortChange, Saying, Sticks, Stranger
+from companion.world.link_events import (
+    LinkCut,
+    LinkDelay,
+    LinkDuplicate,
+    LinkEvent,
+    LinkRecut,
+    LinkRepeat,
+    LinkThin,
+)
+from companion.world.when import After, When
 
-
-class When(NamedTuple):
-    """From ``begin`` until ``end``, s; what happens once happens at ``begin``.
-
-    ``after_offboard``: counted from the first setpoint flown in OFFBOARD, not from the plant's start.
-    """
-
-    begin: float
-    end: float = math.inf
-    after_offboard: bool = False
+__all__ = [
+    "After", "ClockJump", "EstimatorReset", "Event", "Frozen", "Happening", "Hold", "Impostor", "Jump", "LinkCut",
+    "LinkDelay", "LinkDuplicate", "LinkEvent", "LinkRecut", "LinkRepeat", "LinkThin", "MotorFailure", "NotANumber",
+    "OdometryFrames", "Offset", "Operator", "Order", "Part", "PortChange", "Push", "Saying", "Silence", "Stamps",
+    "StateFault", "Sticks", "Stranger", "When", "Wind", "WrongStamps",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,21 +59,22 @@ class Wind:
 
 @dataclass(frozen=True, slots=True)
 class MotorFailure:
-    """A motor (1..4, the autopilot's order) gives only ``left`` of its thrust."""
+    """A motor (1..4, the autopilot's order; None: every one) gives only ``left`` of its thrust."""
 
     when: When
-    motor: int
+    motor: int | None
     left: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class EstimatorReset:
-    """The estimate jumps, once and for good, and its reset counter counts: m, m/s in NED; rad about down."""
+    """The estimate jumps, once and for good: m, m/s in NED; rad about down. ``counted``: by its reset counter."""
 
     when: When
     position_n: Vec3 = (0.0, 0.0, 0.0)
     velocity_n: Vec3 = (0.0, 0.0, 0.0)
     yaw: float = 0.0
+    counted: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +95,11 @@ class Part(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class NotANumber:
-    """What the vehicle sends of its state is NaN."""
+    """What the vehicle sends of its state is ``value``: NaN, infinite, or a number no vehicle has."""
 
     when: When
     part: Part = Part.STATE
+    value: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,18 +111,65 @@ class Silence:
 
 
 @dataclass(frozen=True, slots=True)
-class LinkCut:
-    """Nothing comes through, each way by itself. ``companion``, ``ground_station``: whose link."""
+class Frozen:
+    """What the vehicle sends of a part of its state stays as it was, but for white noise of ``noise`` (m; 1 of a
+    quaternion): position without velocity, attitude without rates."""
 
     when: When
-    down: bool = True
-    up: bool = True
-    companion: bool = True
-    ground_station: bool = False
+    part: Part = Part.POSITION
+    noise: float = 0.0
 
 
-Happening = Push | Hold | Wind | MotorFailure | NotANumber | Silence | LinkCut
+@dataclass(frozen=True, slots=True)
+class Offset:
+    """What the vehicle sends of its state is off by so much, and no reset counter counts: m, m/s in NED; rad."""
+
+    when: When
+    position_n: Vec3 = (0.0, 0.0, 0.0)
+    velocity_n: Vec3 = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+
+
+class Stamps(enum.Enum):
+    """What the vehicle's stamps of its state are instead of what they should be."""
+
+    ZERO = "zero"
+    FROZEN = "frozen"
+    MILLISECONDS = "milliseconds"
+    HUGE = "huge"
+
+
+@dataclass(frozen=True, slots=True)
+class WrongStamps:
+    """The stamps of the state the vehicle sends are wrong: always zero, always the same, in ms instead of us, or the
+    largest number there is."""
+
+    when: When
+    stamps: Stamps = Stamps.ZERO
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryFrames:
+    """ODOMETRY comes in other frames (MAV_FRAME): of the pose, and of the velocity."""
+
+    when: When
+    pose: int = 1
+    velocity: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Impostor:
+    """The vehicle's heartbeats tell another MAV_TYPE and MAV_AUTOPILOT than a PX4 quadrotor's."""
+
+    when: When
+    type: int = 2
+    autopilot: int = 12
+
+
+StateFault = NotANumber | Silence | Frozen | Offset | WrongStamps | OdometryFrames | Impostor
+"""What the vehicle says wrongly, or not at all, of itself and its state."""
+Happening = Push | Hold | Wind | MotorFailure | StateFault | LinkEvent | Sticks | Stranger
 """What lasts."""
-Jump = EstimatorReset | ClockJump
+Jump = EstimatorReset | ClockJump | Operator | PortChange
 """What happens once."""
 Event = Happening | Jump

@@ -12,11 +12,11 @@ from pydantic_core import PydanticUndefined
 from companion.config.syntax.document import parse
 from companion.config.syntax.file_lookup import names
 from companion.config.syntax.schema import Strict
-from companion.config.world import event_keys, keys
+from companion.config.world import actor_keys, event_keys, keys, link_event_keys
 from companion.config.world.world import load_world, world_from
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "worlds.md").read_text(encoding="utf-8")
-OF_THEIR_OWN = ("LinkModel", "NoiseModel")
+OF_THEIR_OWN = ("LinkModel", "NoiseModel", "OnLink")
 """Models without a table: what they hold has one."""
 
 
@@ -44,8 +44,10 @@ def table(model: type[BaseModel]) -> str:
 
 
 def models() -> list[type[BaseModel]]:
-    found = [each for module in (event_keys, keys) for each in vars(module).values() if isinstance(each, type)]
-    return [m for m in found if issubclass(m, Strict) and m is not Strict and not m.__name__.startswith("_")]
+    modules = (event_keys, link_event_keys, actor_keys, keys)
+    found = [each for module in modules for each in vars(module).values() if isinstance(each, type)]
+    own = {module.__name__ for module in modules}
+    return [m for m in found if issubclass(m, Strict) and m.__module__ in own and not m.__name__.startswith("_")]
 
 
 @pytest.mark.parametrize("model", [m for m in models() if m.__name__ not in OF_THEIR_OWN], ids=lambda m: m.__name__)

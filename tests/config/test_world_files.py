@@ -11,12 +11,12 @@ from companion.config.syntax.document import parse
 from companion.config.syntax.faults import ConfigError
 from companion.config.syntax.file_lookup import names
 from companion.config.syntax.schema import Strict
-from companion.config.world import event_keys, keys
+from companion.config.world import actor_keys, event_keys, keys, link_event_keys
 from companion.config.world.world import load_world, world_from
 from companion.world import Battery, Deviations, Errors, Home, Link, Way, World, events
 from companion.world.air import DrydenGusts, Gusts
 from companion.world.estimate import Drift, Noise
-from companion.world.events import Part, When
+from companion.world.events import After, Part, When
 from companion.world.machine import RotorDynamics
 
 EVERYTHING = """\
@@ -24,7 +24,7 @@ name: gale
 wind_mps: [5, -3.5, 0]
 home: {latitude_deg: 52, longitude_deg: 13.4, altitude_m: 34}
 link:
-  down: {delay_s: 0.02, jitter_s: 0.01, loss: 0.1, duplicated: 0.02, reordered: 0.03}
+  down: {delay_s: 0.02, jitter_s: 0.01, loss: 0.1, duplicated: 0.02, reordered: 0.03, duplicate_delay_s: 0.004}
   up: {delay_s: 0.01}
 truth:
   mass_kg: 2.2
@@ -53,6 +53,25 @@ events:
   - {kind: nan_state, from_s: 14, to_s: 14.1, part: position}
   - {kind: silence, from_s: 15, to_s: 16, part: attitude}
   - {kind: link_cut, from_s: 17, to_s: 18, way: up, after: offboard}
+  - {kind: link_cut, from_s: 18, messages: [HEARTBEAT, CURRENT_MODE]}
+  - {kind: link_duplicate, from_s: 19, delay_s: 0.003, way: down}
+  - {kind: link_repeat, from_s: 20, messages: [ODOMETRY]}
+  - {kind: link_delay, from_s: 21, delay_s: 0.05, growth: 0.1, link: both}
+  - {kind: link_thin, from_s: 22, rate_hz: 14}
+  - {kind: link_recut, from_s: 23, size: 100, wait_s: 0.01}
+  - {kind: motor_failure, from_s: 24, thrust_left: 0.9, after: armed}
+  - {kind: estimator_reset, at_s: 25, position_m: [20, 0, 0], counted: false}
+  - {kind: nan_state, from_s: 26, value: huge}
+  - {kind: frozen_state, from_s: 27, part: attitude, noise: 1e-6}
+  - {kind: offset_state, from_s: 28, position_m: [0, 20, 0], velocity_mps: [0, 0, 1], yaw_deg: 90}
+  - {kind: wrong_stamps, from_s: 29, stamps: milliseconds}
+  - {kind: odometry_frames, from_s: 30, pose: 4, velocity: 12}
+  - {kind: impostor, from_s: 31, type: rover, autopilot: ardupilot}
+  - {kind: operator, at_s: 0.06, order: disarm, after: armed}
+  - {kind: sticks, from_s: 32, to_s: 33, roll: 0.5, throttle: -1}
+  - {kind: stranger, from_s: 34, system: 2, component: 191, type: onboard_controller, autopilot: none, says: [heartbeat, state],
+     mode: land, armed: false, position_m: [50, 0, -1], port: vehicle}
+  - {kind: port_change, at_s: 35}
 """
 
 
@@ -79,7 +98,7 @@ def test_every_key_arrives() -> None:
         wind_n=(5.0, -3.5, 0.0),
         gusts=Gusts((1.0, 2.0, 0.5), (10.0, 10.0, 10.0)),
         home=Home(52.0, 13.4, 34.0),
-        link=Link(Way(0.02, 0.01, 0.1, 0.02, 0.03), Way(0.01)),
+        link=Link(Way(0.02, 0.01, 0.1, 0.02, 0.03, 0.004), Way(0.01)),
         truth=Deviations(2.2, (0.02, 0.03, 0.04), 0.03, 0.3, 0.9, 0.01, 0.2, 0.02),
         battery=Battery(18000.0, 0.02, 60.0, 1.0, 0.5, 25.0, 20.0),
         estimate=Errors(
@@ -90,7 +109,7 @@ def test_every_key_arrives() -> None:
             drift=Drift((0.025,) * 3, 1.5),
         ),
         events=(
-            events.Push(When(20.0, 22.0, True), (5.0, 0.0, -1.0)),
+            events.Push(When(20.0, 22.0, After.OFFBOARD), (5.0, 0.0, -1.0)),
             events.Hold(When(30.0, 34.0)),
             events.Wind(When(40.0), (0.0, 9.0, 0.0)),
             events.MotorFailure(When(50.0), 3, 0.2),
@@ -98,7 +117,36 @@ def test_every_key_arrives() -> None:
             events.ClockJump(When(13.0, 13.0), -5.0),
             events.NotANumber(When(14.0, 14.1), Part.POSITION),
             events.Silence(When(15.0, 16.0), Part.ATTITUDE),
-            events.LinkCut(When(17.0, 18.0, True), down=False, up=True),
+            events.LinkCut(When(17.0, 18.0, After.OFFBOARD), down=False, up=True),
+            events.LinkCut(When(18.0), messages=frozenset({"HEARTBEAT", "CURRENT_MODE"})),
+            events.LinkDuplicate(When(19.0), up=False, delay=0.003),
+            events.LinkRepeat(When(20.0), messages=frozenset({"ODOMETRY"})),
+            events.LinkDelay(When(21.0), ground_station=True, delay=0.05, growth=0.1),
+            events.LinkThin(When(22.0), rate=14.0),
+            events.LinkRecut(When(23.0), size=100, wait=0.01),
+            events.MotorFailure(When(24.0, after=After.ARMED), None, 0.9),
+            events.EstimatorReset(When(25.0, 25.0), (20.0, 0.0, 0.0), counted=False),
+            events.NotANumber(When(26.0), Part.STATE, 3e38),
+            events.Frozen(When(27.0), Part.ATTITUDE, 1e-6),
+            events.Offset(When(28.0), (0.0, 20.0, 0.0), (0.0, 0.0, 1.0), 0.5 * math.pi),
+            events.WrongStamps(When(29.0), events.Stamps.MILLISECONDS),
+            events.OdometryFrames(When(30.0), 4, 12),
+            events.Impostor(When(31.0), 10, 3),
+            events.Operator(When(0.06, 0.06, After.ARMED), events.Order.DISARM),
+            events.Sticks(When(32.0, 33.0), roll=0.5, throttle=-1.0),
+            events.Stranger(
+                When(34.0),
+                2,
+                191,
+                18,
+                8,
+                frozenset({events.Saying.HEARTBEAT, events.Saying.STATE}),
+                events.Order.LAND,
+                armed=False,
+                position_n=(50.0, 0.0, -1.0),
+                own_port=False,
+            ),
+            events.PortChange(When(35.0, 35.0)),
         ),
     )
 
@@ -137,6 +185,21 @@ def test_all_faults_at_once_each_with_its_line() -> None:
             "25: events[0].after: 'lunch' is not kn",
         ),
         ("way: up", "way: left", "33: events[8].way: 'left' is not known; expected 'both', 'down' or 'up'"),
+        (
+            "[ODOMETRY]",
+            "[ODOMETER]",
+            "36: events[11].messages: 'ODOMETER' is no message of the common dialect; did you m",
+        ),
+        (
+            "size: 100",
+            "messages: [PING]",
+            "39: events[14].messages: cannot be given: bytes are cut anew whatever",
+        ),
+        (
+            "order: disarm",
+            "order: fly",
+            "48: events[23].order: 'fly' is not known; expected 'hold', 'land', 'return', ",
+        ),
         ("at_s: 12, ", "", "29: events[4].at_s: missing; expected when, in s"),
         ("length_m: 10", "length_m: 0", "16: gusts.length_m: [0.0, 0.0, 0.0] is too short; expected at least 0.1 m"),
         (", length_m: 10", "", "16: gusts: expected sigma_mps and length_m, or wind_at_6m_mps alone"),
@@ -160,8 +223,9 @@ def test_unknown_worlds_are_named_with_the_known() -> None:
 
 
 def models() -> list[type[BaseModel]]:
-    found = [each for module in (event_keys, keys) for each in vars(module).values() if isinstance(each, type)]
-    return [model for model in found if issubclass(model, Strict) and model is not Strict]
+    modules = (event_keys, link_event_keys, actor_keys, keys)
+    found = {each for module in modules for each in vars(module).values() if isinstance(each, type)}
+    return sorted((m for m in found if issubclass(m, Strict) and m is not Strict), key=lambda m: m.__name__)
 
 
 @pytest.mark.parametrize("model", models())

@@ -22,7 +22,7 @@ from companion.world.events import (
     Push,
     When,
 )
-from sim_bridge.link_model import Passage
+from sim_bridge.link_model import LinkWay
 from sim_bridge.noise import Cause, normals
 from sim_bridge.plant import Plant
 from sim_bridge.sensors import Sensors
@@ -94,12 +94,12 @@ def test_a_world_without_errors_shows_the_truth() -> None:
 
 def sent_and_heard(way: Way, n: int = 4_000) -> list[tuple[float, int]]:
     """(s on the way, number) of datagrams sent every 4 ms, in the order they arrive."""
-    passage = Passage(way, 7, Cause.DOWN)
+    link_way = LinkWay(way, 7, Cause.DOWN)
     heard = []
     for i in range(n + 500):
         if i < n:
-            passage.send(i * 4_000, 0, i.to_bytes(4))
-        heard += [(i * 0.004 - int.from_bytes(d) * 0.004, int.from_bytes(d)) for _, d in passage.arrived(i * 4_000)]
+            link_way.send(i * 4_000, 0, i.to_bytes(4))
+        heard += [(i * 0.004 - int.from_bytes(d) * 0.004, int.from_bytes(d)) for _, d in link_way.arrived(i * 4_000)]
     return heard
 
 

@@ -12,6 +12,7 @@ from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
 from companion.world import Deviations, Event, World
 from companion.world.events import (
+    After,
     ClockJump,
     EstimatorReset,
     Hold,
@@ -54,7 +55,7 @@ def test_a_push_gives_its_impulse() -> None:
 
 
 def test_a_hold_keeps_the_pose_and_then_lets_go() -> None:
-    client = hovering(Hold(When(0.5, 2.5, after_offboard=True)))
+    client = hovering(Hold(When(0.5, 2.5, After.OFFBOARD)))
     client.run(1.0)
     client.rates(0.0, -0.5, 0.0, thrust=0.57)
     assert client.mode(Mode.OFFBOARD) == ACCEPTED

@@ -12,7 +12,7 @@ from companion.config.world.world import load_world
 from companion.plan import prepared
 from companion.vehicle import OutputLevel, Vehicle
 from companion.world import Link, Way, World
-from companion.world.events import Event, Hold, Push, When
+from companion.world.events import After, Event, Hold, Push, When
 from trials.rivals import plant_place, px4_position, rotorpy_place
 from trials.rivals.ablation import without
 from trials.rivals.course import Course
@@ -77,9 +77,9 @@ def flown(sortie: Sortie) -> Figures:
 def _events(sortie: Sortie) -> tuple[Event, ...]:
     events: list[Event] = []
     if sortie.held is not None:
-        events.append(Hold(When(*sortie.held, after_offboard=True)))
+        events.append(Hold(When(*sortie.held, After.OFFBOARD)))
     if sortie.pushed is not None:
-        events.append(Push(When(*sortie.pushed, after_offboard=True), (5.0, 0.0, 0.0)))
+        events.append(Push(When(*sortie.pushed, After.OFFBOARD), (5.0, 0.0, 0.0)))
     return tuple(events)
 
 

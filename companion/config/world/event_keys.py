@@ -5,54 +5,27 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from companion.config.syntax.schema import Strict
+from companion.config.world.actor_keys import AUTOPILOTS, TYPES, ActorModel, AutopilotName, TypeName
+from companion.config.world.event_times import Once, While
+from companion.config.world.link_event_keys import LinkEventModel
 from companion.world import events
-from companion.world.events import Event, Part, When
+from companion.world.events import Event, Part, Stamps
 
-Time = Annotated[float, Field(ge=0.0, le=1e5)]
 Metres = Annotated[float, Field(ge=-1e4, le=1e4)]
 Mps = Annotated[float, Field(ge=-50.0, le=50.0)]
 Newtons = Annotated[float, Field(ge=-1e4, le=1e4)]
-After = Literal["start", "offboard"]
+Three = Annotated[list[Annotated[float, Field(ge=-1e4, le=1e4)]], Field(min_length=3, max_length=3)]
+VALUES = {"nan": math.nan, "infinite": math.inf, "huge": 3e38}
+"""What a number on the wire may be instead: the last is near the largest of a float32."""
 
 
-class _Once(Strict):
-    """At a time."""
-
-    at_s: Time
-    """when, in s"""
-    after: After = "start"
-    """what the time counts from: the plant's start, or the first setpoint flown in OFFBOARD (start, offboard)"""
-
-    @property
-    def when(self) -> When:
-        return When(self.at_s, self.at_s, self.after == "offboard")
+def _zero() -> list[float]:
+    return [0.0, 0.0, 0.0]
 
 
-class _While(Strict):
-    """From a time until another."""
-
-    from_s: Time
-    """from when, in s"""
-    to_s: Time | None = None
-    """until when, in s; for good where absent"""
-    after: After = "start"
-    """what the times count from: the plant's start, or the first setpoint flown in OFFBOARD (start, offboard)"""
-
-    @model_validator(mode="after")
-    def _ends_after_it_begins(self) -> _While:
-        if self.to_s is not None and self.to_s <= self.from_s:
-            raise ValueError(f"ends at {self.to_s:g} s but begins at {self.from_s:g} s; expected to_s after from_s")
-        return self
-
-    @property
-    def when(self) -> When:
-        return When(self.from_s, math.inf if self.to_s is None else self.to_s, self.after == "offboard")
-
-
-class PushModel(_While):
+class PushModel(While):
     """A force on the centre of mass."""
 
     kind: Literal["push"]
@@ -65,7 +38,7 @@ class PushModel(_While):
         return events.Push(self.when, (north, east, down))
 
 
-class HoldModel(_While):
+class HoldModel(While):
     """Somebody holds the vehicle and lets go again."""
 
     kind: Literal["hold"]
@@ -75,7 +48,7 @@ class HoldModel(_While):
         return events.Hold(self.when)
 
 
-class WindModel(_While):
+class WindModel(While):
     """Another wind for a while."""
 
     kind: Literal["wind"]
@@ -88,13 +61,13 @@ class WindModel(_While):
         return events.Wind(self.when, (north, east, down))
 
 
-class MotorFailureModel(_While):
+class MotorFailureModel(While):
     """A motor gives less than it should."""
 
     kind: Literal["motor_failure"]
     """the kind of event"""
-    motor: Annotated[int, Field(ge=1, le=4)]
-    """which motor in the autopilot's order, 1..4"""
+    motor: Annotated[int, Field(ge=1, le=4)] | None = None
+    """which motor in the autopilot's order, 1..4; every one where absent"""
     thrust_left: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     """what is left of its thrust, 0..1"""
 
@@ -102,28 +75,26 @@ class MotorFailureModel(_While):
         return events.MotorFailure(self.when, self.motor, self.thrust_left)
 
 
-class EstimatorResetModel(_Once):
+class EstimatorResetModel(Once):
     """The estimate jumps."""
 
     kind: Literal["estimator_reset"]
     """the kind of event"""
-    position_m: Annotated[list[Metres], Field(min_length=3, max_length=3)] = Field(
-        default_factory=lambda: [0.0, 0.0, 0.0]
-    )
+    position_m: Annotated[list[Metres], Field(min_length=3, max_length=3)] = Field(default_factory=_zero)
     """how far the position jumps [north, east, down], in m"""
-    velocity_mps: Annotated[list[Mps], Field(min_length=3, max_length=3)] = Field(
-        default_factory=lambda: [0.0, 0.0, 0.0]
-    )
+    velocity_mps: Annotated[list[Mps], Field(min_length=3, max_length=3)] = Field(default_factory=_zero)
     """how far the velocity jumps [north, east, down], in m/s"""
     yaw_deg: Annotated[float, Field(ge=-180.0, le=180.0)] = 0.0
     """how far the heading jumps, clockwise from above, in degrees"""
+    counted: bool = True
+    """whether the vehicle's reset counter counts it, as PX4's does"""
 
     def event(self) -> Event:
         (x, y, z), (u, v, w) = self.position_m, self.velocity_mps
-        return events.EstimatorReset(self.when, (x, y, z), (u, v, w), math.radians(self.yaw_deg))
+        return events.EstimatorReset(self.when, (x, y, z), (u, v, w), math.radians(self.yaw_deg), self.counted)
 
 
-class ClockJumpModel(_Once):
+class ClockJumpModel(Once):
     """The vehicle's stamps jump."""
 
     kind: Literal["clock_jump"]
@@ -135,19 +106,21 @@ class ClockJumpModel(_Once):
         return events.ClockJump(self.when, self.by_s)
 
 
-class NanStateModel(_While):
+class NanStateModel(While):
     """The state the vehicle sends is not a number."""
 
     kind: Literal["nan_state"]
     """the kind of event"""
     part: Literal["position", "attitude", "state"] = "state"
     """what is not a number: position (and velocity), attitude (and rates), or the whole state"""
+    value: Literal["nan", "infinite", "huge"] = "nan"
+    """what it is instead: nan, infinite, or a number as large as fits on the wire (huge)"""
 
     def event(self) -> Event:
-        return events.NotANumber(self.when, Part(self.part))
+        return events.NotANumber(self.when, Part(self.part), VALUES[self.value])
 
 
-class SilenceModel(_While):
+class SilenceModel(While):
     """The vehicle stops sending a part of its state."""
 
     kind: Literal["silence"]
@@ -159,24 +132,81 @@ class SilenceModel(_While):
         return events.Silence(self.when, Part(self.part))
 
 
-class LinkCutModel(_While):
-    """The link is cut."""
+class FrozenStateModel(While):
+    """A part of the state the vehicle sends stays as it was, while velocity and rates go on."""
 
-    kind: Literal["link_cut"]
+    kind: Literal["frozen_state"]
     """the kind of event"""
-    way: Literal["both", "down", "up"] = "both"
-    """which way: down (vehicle to companion), up (companion to vehicle), both"""
-    link: Literal["companion", "ground_station", "both"] = "companion"
-    """whose link: companion, ground_station, both"""
+    part: Literal["position", "attitude", "state"] = "position"
+    """what stays: position, attitude, or both (state)"""
+    noise: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    """the standard deviation of the white noise on it, in m (position) and 1 (each number of the quaternion)"""
 
     def event(self) -> Event:
-        return events.LinkCut(
-            self.when, self.way != "up", self.way != "down", self.link != "ground_station", self.link != "companion"
-        )
+        return events.Frozen(self.when, Part(self.part), self.noise)
+
+
+class OffsetStateModel(While):
+    """The state the vehicle sends is off by so much, and no reset counter counts."""
+
+    kind: Literal["offset_state"]
+    """the kind of event"""
+    position_m: Three = Field(default_factory=_zero)
+    """how far off the position is [north, east, down], in m"""
+    velocity_mps: Three = Field(default_factory=_zero)
+    """how far off the velocity is [north, east, down], in m/s"""
+    yaw_deg: Annotated[float, Field(ge=-180.0, le=180.0)] = 0.0
+    """how far off the heading is, clockwise from above, in degrees"""
+
+    def event(self) -> Event:
+        (x, y, z), (u, v, w) = self.position_m, self.velocity_mps
+        return events.Offset(self.when, (x, y, z), (u, v, w), math.radians(self.yaw_deg))
+
+
+class WrongStampsModel(While):
+    """The stamps of the state the vehicle sends are wrong."""
+
+    kind: Literal["wrong_stamps"]
+    """the kind of event"""
+    stamps: Literal["zero", "frozen", "milliseconds", "huge"] = "zero"
+    """what they are: always 0, always the same (frozen), in milliseconds where microseconds belong, or the largest
+    number there is (huge)"""
+
+    def event(self) -> Event:
+        return events.WrongStamps(self.when, Stamps(self.stamps))
+
+
+class OdometryFramesModel(While):
+    """ODOMETRY comes in other frames than PX4's."""
+
+    kind: Literal["odometry_frames"]
+    """the kind of event"""
+    pose: Annotated[int, Field(ge=0, le=255)] = 1
+    """frame_id, a MAV_FRAME (no unit): 1 is LOCAL_NED, 4 LOCAL_ENU, 18 LOCAL_FRD"""
+    velocity: Annotated[int, Field(ge=0, le=255)] = 1
+    """child_frame_id, a MAV_FRAME (no unit): 1 is LOCAL_NED, 8 BODY_NED, 12 BODY_FRD"""
+
+    def event(self) -> Event:
+        return events.OdometryFrames(self.when, self.pose, self.velocity)
+
+
+class ImpostorModel(While):
+    """The vehicle's own heartbeats say that it is something else than a PX4 quadrotor."""
+
+    kind: Literal["impostor"]
+    """the kind of event"""
+    type: TypeName = "quadrotor"
+    """what it says it is: fixed_wing, quadrotor, rover, ..."""
+    autopilot: AutopilotName = "px4"
+    """its autopilot: px4, ardupilot, none"""
+
+    def event(self) -> Event:
+        return events.Impostor(self.when, TYPES[self.type], AUTOPILOTS[self.autopilot])
 
 
 EventModel = Annotated[
     PushModel | HoldModel | WindModel | MotorFailureModel | EstimatorResetModel | ClockJumpModel | NanStateModel
-    | SilenceModel | LinkCutModel,
+    | SilenceModel | FrozenStateModel | OffsetStateModel | WrongStampsModel | OdometryFramesModel | ImpostorModel
+    | LinkEventModel | ActorModel,
     Field(discriminator="kind"),
 ]  # fmt: skip

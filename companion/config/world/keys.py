@@ -95,15 +95,17 @@ class WayModel(Strict):
     """the share of datagrams that come twice, 0..1"""
     reordered: Share = 0.0
     """the share of datagrams that come 20 ms late, behind those sent after them, 0..1"""
+    duplicate_delay_s: Delay = 0.0
+    """how long after the first the second of two comes, in s"""
 
 
 class LinkModel(Strict):
     """The connection between vehicle and companion."""
 
     down: WayModel = Field(default_factory=WayModel)
-    """vehicle to companion (delay_s, jitter_s, loss, duplicated, reordered)"""
+    """vehicle to companion (delay_s, jitter_s, loss, duplicated, ...)"""
     up: WayModel = Field(default_factory=WayModel)
-    """companion to vehicle (delay_s, jitter_s, loss, duplicated, reordered)"""
+    """companion to vehicle (delay_s, jitter_s, loss, duplicated, ...)"""
 
 
 class RotorsModel(Strict):
@@ -267,5 +269,4 @@ class WorldModel(Strict):
     estimate: EstimateModel = Field(default_factory=EstimateModel)
     """how wrong the vehicle's idea of its state is (position, velocity, attitude, gyro, drift)"""
     events: list[EventModel] = Field(default_factory=list)
-    """what happens at a time (kind push, hold, wind, motor_failure, estimator_reset, clock_jump, nan_state, silence,
-    link_cut)"""
+    """what happens at a time (kind push, hold, link_cut, operator, ...)"""

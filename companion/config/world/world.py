@@ -112,7 +112,9 @@ def _gusts(model: GustsModel) -> Gusts | DrydenGusts:
 
 
 def _way(model: WayModel) -> Way:
-    return Way(model.delay_s, model.jitter_s, model.loss, model.duplicated, model.reordered)
+    return Way(
+        model.delay_s, model.jitter_s, model.loss, model.duplicated, model.reordered, model.duplicate_delay_s
+    )  # fmt: skip
 
 
 def _truth(model: TruthModel) -> Deviations:

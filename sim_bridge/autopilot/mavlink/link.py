@@ -104,9 +104,10 @@ class Link:
         """Whether a ground station listens at the other end."""
         return self._now_us <= self._ground_station_until_us
 
-    def receive(self, datagram: bytes) -> list[Frame]:
-        """Take a datagram in; the frames in it. Garbage is counted by the decoder and never raises."""
-        frames = self.decoder.datagram(datagram)
+    def receive(self, datagram: bytes, *, is_piece: bool = False) -> list[Frame]:
+        """Take a datagram in; the frames in it. ``is_piece``: messages may begin in one and end in another. Garbage is
+        counted by the decoder and never raises."""
+        frames = (self.decoder.stream if is_piece else self.decoder.datagram)(datagram)
         for frame in frames:
             self.peers.add((frame.system, frame.component))
             handler = self._handlers.get(frame.format.id)
@@ -166,6 +167,8 @@ class Link:
             return False
         fmt, build = self._builders[msgid]
         values = build(self._autopilot)
+        if values is not None and self.alter is not None:
+            values = self.alter(msgid, values)
         if values is None:
             return False
         self.emit(fmt, values)
