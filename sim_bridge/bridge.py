@@ -28,7 +28,7 @@ from sim_bridge.noise import Cause, normals
 from sim_bridge.operator import ask
 from sim_bridge.plant import OFF, Plant, Truth
 from sim_bridge.sensors import Sensors, exact
-from sim_bridge.strangers import Speaker
+from sim_bridge.strangers import FIRST_STRANGER, Speaker
 from sim_bridge.world_events import COMPANION, Reach, WorldEvents
 
 FAST_STATE = 250.0
@@ -37,8 +37,6 @@ TEXTS, TEXTS_PERIOD = 8, 0.1
 """How many texts are told in so many s; what somebody provokes beyond is dropped, as by PX4's queue."""
 STICKS_US = 20_000
 """us between two samples of a pilot's sticks: a joystick's 50 Hz."""
-FIRST_STRANGER = 2
-"""The endpoints from here on are those of strangers with a port of their own."""
 HOVER = Start.hover((0.0, 0.0, -10.0))
 
 

@@ -18,6 +18,7 @@ from urllib.parse import urlsplit
 
 from companion.vehicle import CompanionError
 from sim_bridge.bridge import Bridge
+from sim_bridge.strangers import FIRST_STRANGER
 
 Address = tuple[str, int]
 
@@ -87,6 +88,8 @@ class Server:
         self._log = log
         self._after_step = after_step
         self._sockets: list[socket.socket] = []
+        self._strangers: dict[int, socket.socket] = {}
+        self._dialled = 0
         self._peers = [endpoint.peer for endpoint in endpoints]
         self._heard = [False] * len(endpoints)
         self._speed = speed
@@ -119,6 +122,8 @@ class Server:
                     self._log(f"{self._pace(begun, begun_at)}; the machine is busy")
             earliest = now + 0.5 * self._period
             self._bridge.step()
+            if self._bridge.ports_dialled != self._dialled:
+                self._dial()
             self._send()
             if self._after_step is not None:
                 self._after_step()
@@ -128,7 +133,7 @@ class Server:
 
     def close(self) -> None:
         """Close the sockets."""
-        for each in self._sockets:
+        for each in (*self._sockets, *self._strangers.values()):
             each.close()
 
     def _wait(self, due: float) -> None:
@@ -157,12 +162,27 @@ class Server:
 
     def _send(self) -> None:
         for endpoint, datagram in self._bridge.datagrams():
-            peer = self._peers[endpoint]
+            is_stranger = endpoint >= FIRST_STRANGER
+            peer = self._peers[0 if is_stranger else endpoint]
             if peer is not None:
                 try:
-                    self._sockets[endpoint].sendto(datagram, peer)
+                    (self._stranger(endpoint) if is_stranger else self._sockets[endpoint]).sendto(datagram, peer)
                 except OSError:  # nobody there, or the buffer is full: UDP may lose it
                     continue
+
+    def _stranger(self, endpoint: int) -> socket.socket:
+        """The socket of a stranger with a port of his own."""
+        if endpoint not in self._strangers:
+            self._strangers[endpoint] = _bound((self._sockets[0].getsockname()[0], 0))
+        return self._strangers[endpoint]
+
+    def _dial(self) -> None:
+        """Another port to the companion."""
+        self._dialled = self._bridge.ports_dialled
+        host = self._sockets[0].getsockname()[0]
+        self._sockets[0].close()
+        self._sockets[0] = _bound((host, 0))
+        self._log(f"{self._bridge.now:.2f} s: companion: from {host}:{self._sockets[0].getsockname()[1]} now")
 
     def _pace(self, begun: float, begun_at: float) -> str:
         """How fast the plant has really run since the clock was ``begun`` and the bridge's time ``begun_at``, s."""

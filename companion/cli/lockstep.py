@@ -12,6 +12,7 @@ from companion.daemon.conductor import Conductor
 from companion.mavlink.peer import Received
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
+from sim_bridge.strangers import source
 
 COMPANION_ENDPOINT, GROUND_STATION_ENDPOINT = 0, 1
 
@@ -40,12 +41,16 @@ def fly(conductor: Conductor, bridge: Bridge, watch: Callable[[Conductor, Truth]
 
 def _arrived(bridge: Bridge) -> list[Received]:
     """What came for the companion: from the vehicle's endpoint, or from strangers beside it."""
-    return [(data, endpoint) for endpoint, data in bridge.datagrams() if endpoint != GROUND_STATION_ENDPOINT]
+    return [
+        (data, source(endpoint, bridge.ports_dialled))
+        for endpoint, data in bridge.datagrams()
+        if endpoint != GROUND_STATION_ENDPOINT
+    ]
 
 
 def _send(conductor: Conductor, bridge: Bridge) -> None:
     """What goes to the vehicle, where it was last met."""
     to = conductor.link.peers.to
     for datagram in conductor.datagrams():
-        if isinstance(to, int):
-            bridge.receive(datagram, to)
+        if to == source(COMPANION_ENDPOINT, bridge.ports_dialled):
+            bridge.receive(datagram, COMPANION_ENDPOINT)

@@ -39,7 +39,7 @@ from companion.world.events import (
     When,
     WrongStamps,
 )
-from sim_bridge.bridge import FIRST_STRANGER
+from sim_bridge.strangers import FIRST_STRANGER, source
 from tests.support.plant_client import ACCEPTED, SET_INTERVAL, Client
 
 ODOMETRY = frozenset({"ODOMETRY"})
@@ -283,3 +283,4 @@ def test_the_vehicle_changes_its_port() -> None:
     assert client.bridge.ports_dialled == 0
     client.run(0.2)
     assert client.bridge.ports_dialled == 1
+    assert len({source(0, 0), source(0, 1), source(FIRST_STRANGER, 1), source(FIRST_STRANGER + 1, 1)}) == 4

@@ -19,7 +19,9 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import development as mavlink
 
-from companion.world import Start
+from companion.mavlink.modes import Mode
+from companion.world import Start, World
+from companion.world.events import Operator, Order, PortChange, Stranger, When
 from sim_bridge import __main__ as command_line
 from sim_bridge.server import Endpoint, EndpointError, Server, endpoint_of
 from sim_bridge.truth_file import BLOCK, HEADER_SIZE, TruthFile, header
@@ -273,3 +275,23 @@ def test_a_truth_file_says_what_was(tmp_path: Path) -> None:
         assert np.array_equal(rows[name][-1], getattr(truth, name))
     assert np.array_equal(rows["commands"][-1], client.bridge.autopilot.commands)
     assert os.path.getsize(path) == HEADER_SIZE + 3 * 22 * 8
+
+
+def test_strangers_and_a_changed_port_have_sockets_of_their_own(peer: Peer) -> None:
+    events = (Stranger(When(0.1), 2), PortChange(When(0.5, 0.5)), Operator(When(0.7, 0.7), Order.LAND))
+    client = Client("x500", World(events=events), endpoints=1)
+    server = Server(client.bridge, [Endpoint(("127.0.0.1", 0), ("127.0.0.1", peer.port))], log=lambda line: None)
+    try:
+        server.run(lambda: client.bridge.now > 1.0)
+    finally:
+        server.close()
+    peer.socket.setblocking(False)
+    sources: dict[tuple[str, int], set[int]] = {}
+    while True:
+        try:
+            data, address = peer.socket.recvfrom(4096)
+        except BlockingIOError:
+            break
+        sources.setdefault(address, set()).add(data[5])
+    assert sorted(sources.values(), key=str) == [{1}, {1}, {2}]
+    assert client.flown is Mode.LAND
