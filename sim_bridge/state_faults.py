@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from companion.frames import Quaternion, Vec3, multiply
 from companion.mavlink.dialect import Value, message
 from companion.world.events import (
-    Frozen,
+    FrozenState,
     Impostor,
     NotANumber,
     OdometryFrames,
-    Offset,
+    OffsetState,
     Part,
     Silence,
     Stamps,
@@ -90,9 +90,9 @@ class StateFaults:
             return _filled(msgid, values, fault)
         if isinstance(fault, WrongStamps):
             return (self._stamp(fault, msgid, values[0]), *values[1:])
-        if isinstance(fault, Frozen):
+        if isinstance(fault, FrozenState):
             return self._frozen(fault, msgid, values)
-        if isinstance(fault, Offset):
+        if isinstance(fault, OffsetState):
             return _moved(fault, msgid, values)
         if isinstance(fault, OdometryFrames) and msgid == _ODOMETRY_ID:
             return (*values[:-5], fault.pose, fault.velocity, *values[-3:])
@@ -109,7 +109,7 @@ class StateFaults:
             case Stamps.FROZEN:
                 return self._kept.setdefault((id(fault), msgid), (stamp,))[0]
 
-    def _frozen(self, fault: Frozen, msgid: int, values: Values) -> Values:
+    def _frozen(self, fault: FrozenState, msgid: int, values: Values) -> Values:
         """As it was when the fault began, and a little noise on it."""
         first = self._kept.setdefault((id(fault), msgid), values)
         changed = list(values)
@@ -129,7 +129,7 @@ def _filled(msgid: int, values: Values, fault: NotANumber) -> Values:
     return tuple(changed)
 
 
-def _moved(fault: Offset, msgid: int, values: Values) -> Values:
+def _moved(fault: OffsetState, msgid: int, values: Values) -> Values:
     """The state elsewhere, otherwise moving, and turned about the vertical."""
     if msgid not in (_LOCAL_ID, _ODOMETRY_ID):
         return values

@@ -9,7 +9,7 @@ from companion.daemon.conductor import Conductor
 from companion.record.events import BACK_PATH, BACK_SPEED, START_OFF
 from companion.vehicle import Mode
 from companion.world import World
-from companion.world.events import Event, Hold
+from companion.world.events import After, Event, Hold
 from companion.world.words import air_in_words, event_in_words
 
 MARK = "  >> "
@@ -28,6 +28,7 @@ class Story:
 
     world: World
     _offboard_at: float | None = None
+    _armed_at: float | None = None
     _began: bool = False
     _begun: set[Event] = field(default_factory=set)
     _ended: set[Event] = field(default_factory=set)
@@ -53,6 +54,8 @@ class Story:
         if tick is None or tick.memory.state is None:
             return []
         now = tick.memory.state.t_boot
+        if self._armed_at is None and conductor.telemetry.status.armed:
+            self._armed_at = now
         if self._offboard_at is None and conductor.telemetry.status.mode is Mode.OFFBOARD:
             self._offboard_at = now
         steered, progress = tick.outcome.steered, tick.memory.progress
@@ -78,13 +81,17 @@ class Story:
                 self._since = None
         return said
 
+    def _zero(self, after: After) -> float | None:
+        """What the times of an event count from, s of the vehicle's stamps; None where it has not been yet."""
+        return 0.0 if after is After.START else self._armed_at if after is After.ARMED else self._offboard_at
+
     def _set_out(self, now: float) -> None:
         self._since, self._error_max, self._speed_max = now, 0.0, 0.0
 
     def _events(self, now: float, error: float | None, alpha: float) -> list[str]:
         said = []
         for event in self.world.events:
-            zero = 0.0 if not event.when.after_offboard else self._offboard_at
+            zero = self._zero(event.when.after)
             if zero is None:
                 continue
             begin, end = zero + event.when.begin, zero + event.when.end

@@ -31,8 +31,8 @@ def software_version() -> str:
 
 
 def simulation_document(simulated: Simulated) -> dict[str, Any]:
-    """The world for resolved.json. Times in s, counted ``after`` the plant's start or the first setpoint in OFFBOARD;
-    ``to_s`` null where it lasts for good."""
+    """The world for resolved.json. Times in s, counted ``after`` the plant's start, the first arming or the first
+    setpoint in OFFBOARD; ``to_s`` null where it lasts for good."""
     world = simulated.world
     return {
         "world": world.name,
@@ -46,7 +46,7 @@ def simulation_document(simulated: Simulated) -> dict[str, Any]:
                 "what": event_in_words(event),
                 "from_s": event.when.begin,
                 "to_s": event.when.end if math.isfinite(event.when.end) else None,
-                "after": "offboard" if event.when.after_offboard else "start",
+                "after": event.when.after.value,
             }
             for event in world.events
         ],

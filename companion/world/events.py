@@ -27,9 +27,9 @@ from companion.world.link_events import (
 from companion.world.when import After, When
 
 __all__ = [
-    "After", "ClockJump", "EstimatorReset", "Event", "Frozen", "Happening", "Hold", "Impostor", "Jump", "LinkCut",
+    "After", "ClockJump", "EstimatorReset", "Event", "FrozenState", "Happening", "Hold", "Impostor", "Jump", "LinkCut",
     "LinkDelay", "LinkDuplicate", "LinkEvent", "LinkRecut", "LinkRepeat", "LinkThin", "MotorFailure", "NotANumber",
-    "OdometryFrames", "Offset", "Operator", "Order", "Part", "PortChange", "Push", "Saying", "Silence", "Stamps",
+    "OdometryFrames", "OffsetState", "Operator", "Order", "Part", "PortChange", "Push", "Saying", "Silence", "Stamps",
     "StateFault", "Sticks", "Stranger", "When", "Wind", "WrongStamps",
 ]  # fmt: skip
 
@@ -111,7 +111,7 @@ class Silence:
 
 
 @dataclass(frozen=True, slots=True)
-class Frozen:
+class FrozenState:
     """What the vehicle sends of a part of its state stays as it was, but for white noise of ``noise`` (m; 1 of a
     quaternion): position without velocity, attitude without rates."""
 
@@ -121,7 +121,7 @@ class Frozen:
 
 
 @dataclass(frozen=True, slots=True)
-class Offset:
+class OffsetState:
     """What the vehicle sends of its state is off by so much, and no reset counter counts: m, m/s in NED; rad."""
 
     when: When
@@ -166,7 +166,7 @@ class Impostor:
     autopilot: int = 12
 
 
-StateFault = NotANumber | Silence | Frozen | Offset | WrongStamps | OdometryFrames | Impostor
+StateFault = NotANumber | Silence | FrozenState | OffsetState | WrongStamps | OdometryFrames | Impostor
 """What the vehicle says wrongly, or not at all, of itself and its state."""
 Happening = Push | Hold | Wind | MotorFailure | StateFault | LinkEvent | Sticks | Stranger
 """What lasts."""

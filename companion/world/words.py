@@ -14,10 +14,18 @@ from companion.world.events import (
     Event,
     Hold,
     LinkCut,
+    LinkDelay,
+    LinkDuplicate,
+    LinkEvent,
+    LinkRecut,
+    LinkRepeat,
+    LinkThin,
     MotorFailure,
     NotANumber,
+    Operator,
     Push,
     Silence,
+    Stranger,
     Wind,
 )
 
@@ -41,6 +49,8 @@ def air_in_words(world: World) -> str:
 
 def event_kind(event: Event) -> str:
     """The kind as world files spell it: ``motor_failure``."""
+    if isinstance(event, NotANumber):
+        return "nan_state"
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", type(event).__name__).lower()
 
 
@@ -54,20 +64,31 @@ def event_in_words(event: Event) -> str:
         case Wind(wind_n=wind):
             return _wind(wind)
         case MotorFailure(motor=motor, left=left):
-            return f"motor {motor} gives {100.0 * left:.0f} % of its thrust"
+            return f"{'every motor' if motor is None else f'motor {motor}'} gives {100.0 * left:.0f} % of its thrust"
         case EstimatorReset():
             return "the vehicle's estimate jumps"
         case ClockJump(by=by):
             return f"the vehicle's clock jumps by {by:g} s"
-        case NotANumber(part=part):
+        case NotANumber(part=part, value=value) if math.isnan(value):
             return f"the vehicle sends NaN as its {part.value}"
+        case NotANumber(part=part, value=value):
+            return f"the vehicle sends {value:g} as its {part.value}"
         case Silence(part=part):
             return f"the vehicle sends no {part.value}"
-        case LinkCut(down=down, up=up):
-            way = "both ways" if down and up else "from the vehicle" if down else "to the vehicle"
-            return f"link cut {way}"
+        case Operator(order=order):
+            return f"the operator asks for {order.value.replace('_', ' ')}"
+        case Stranger(system=system, component=component):
+            return f"a stranger speaks, system {system}, component {component}"
+        case LinkCut() | LinkDuplicate() | LinkRepeat() | LinkDelay() | LinkThin() | LinkRecut():
+            return _link_event(event)
         case _:
             return event_kind(event).replace("_", " ")
+
+
+def _link_event(event: LinkEvent) -> str:
+    """``link cut from the vehicle, HEARTBEAT``: what becomes of the datagrams, which way, which messages."""
+    way = "both ways" if event.down and event.up else "from the vehicle" if event.down else "to the vehicle"
+    return ", ".join([f"{event_kind(event).replace('_', ' ')} {way}", *sorted(event.messages)])
 
 
 def _wind(wind_n: Vec3) -> str:

@@ -18,6 +18,7 @@ from companion.world.air import DrydenGusts, Gusts
 from companion.world.estimate import Drift, Noise
 from companion.world.events import After, Part, When
 from companion.world.machine import RotorDynamics
+from companion.world.words import event_in_words, event_kind
 
 EVERYTHING = """\
 name: gale
@@ -127,8 +128,8 @@ def test_every_key_arrives() -> None:
             events.MotorFailure(When(24.0, after=After.ARMED), None, 0.9),
             events.EstimatorReset(When(25.0, 25.0), (20.0, 0.0, 0.0), counted=False),
             events.NotANumber(When(26.0), Part.STATE, 3e38),
-            events.Frozen(When(27.0), Part.ATTITUDE, 1e-6),
-            events.Offset(When(28.0), (0.0, 20.0, 0.0), (0.0, 0.0, 1.0), 0.5 * math.pi),
+            events.FrozenState(When(27.0), Part.ATTITUDE, 1e-6),
+            events.OffsetState(When(28.0), (0.0, 20.0, 0.0), (0.0, 0.0, 1.0), 0.5 * math.pi),
             events.WrongStamps(When(29.0), events.Stamps.MILLISECONDS),
             events.OdometryFrames(When(30.0), 4, 12),
             events.Impostor(When(31.0), 10, 3),
@@ -231,3 +232,13 @@ def models() -> list[type[BaseModel]]:
 @pytest.mark.parametrize("model", models())
 def test_every_key_says_what_it_is(model: type[BaseModel]) -> None:
     assert all(field.description for field in model.model_fields.values())
+
+
+def test_every_event_has_a_kind_as_files_spell_it_and_words() -> None:
+    world = world_from(parse(EVERYTHING, "gale.yaml"))
+    kinds = [line.split("kind: ")[1].split(",")[0] for line in EVERYTHING.splitlines() if "kind: " in line]
+    assert [event_kind(event) for event in world.events] == kinds
+    words = [event_in_words(event) for event in world.events]
+    assert "the operator asks for disarm" in words
+    assert "link cut both ways, CURRENT_MODE, HEARTBEAT" in words
+    assert "every motor gives 90 % of its thrust" in words

@@ -16,7 +16,7 @@ from companion.world.events import (
     After,
     EstimatorReset,
     Event,
-    Frozen,
+    FrozenState,
     Impostor,
     LinkCut,
     LinkDelay,
@@ -27,7 +27,7 @@ from companion.world.events import (
     MotorFailure,
     NotANumber,
     OdometryFrames,
-    Offset,
+    OffsetState,
     Operator,
     Order,
     Part,
@@ -146,7 +146,7 @@ def test_the_ground_stations_link_is_another() -> None:
 
 
 def test_a_frozen_position_has_its_noise_and_the_velocity_goes_on() -> None:
-    client = hovering(Frozen(When(1.0), Part.POSITION, 1e-6))
+    client = hovering(FrozenState(When(1.0), Part.POSITION, 1e-6))
     client.rates(thrust=0.57)
     assert client.mode(Mode.OFFBOARD) == ACCEPTED
     client.run(2.0, lambda: client.rates(q=-0.2, thrust=0.57))
@@ -177,7 +177,7 @@ def test_stamps_in_milliseconds() -> None:
 
 def test_an_offset_is_only_said_and_ends_and_a_glitch_is_not_counted() -> None:
     client = hovering(
-        Offset(When(1.0, 1.2), (20.0, 0.0, -1.0), (0.0, 2.0, 0.0), math.pi / 2),
+        OffsetState(When(1.0, 1.2), (20.0, 0.0, -1.0), (0.0, 2.0, 0.0), math.pi / 2),
         EstimatorReset(When(2.0, 2.0), (20.0, 0.0, 0.0), counted=False),
     )
     client.run(1.1)

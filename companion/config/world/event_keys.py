@@ -143,7 +143,7 @@ class FrozenStateModel(While):
     """the standard deviation of the white noise on it, in m (position) and 1 (each number of the quaternion)"""
 
     def event(self) -> Event:
-        return events.Frozen(self.when, Part(self.part), self.noise)
+        return events.FrozenState(self.when, Part(self.part), self.noise)
 
 
 class OffsetStateModel(While):
@@ -160,7 +160,7 @@ class OffsetStateModel(While):
 
     def event(self) -> Event:
         (x, y, z), (u, v, w) = self.position_m, self.velocity_mps
-        return events.Offset(self.when, (x, y, z), (u, v, w), math.radians(self.yaw_deg))
+        return events.OffsetState(self.when, (x, y, z), (u, v, w), math.radians(self.yaw_deg))
 
 
 class WrongStampsModel(While):
