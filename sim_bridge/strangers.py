@@ -13,6 +13,19 @@ PERIOD_US = {Saying.HEARTBEAT: 1_000_000, Saying.MODE: 100_000, Saying.STATE: 20
 ACTIVE, STANDBY = 4, 3  # MAV_STATE
 ARMED, CUSTOM_MODE_ENABLED = 0x80, 0x01  # MAV_MODE_FLAG
 LOCAL_NED = 1
+MAVLINK_VERSION = 3
+MODES = {
+    Order.HOLD: Mode.HOLD,
+    Order.LAND: Mode.LAND,
+    Order.RETURN: Mode.RETURN,
+    Order.POSITION: Mode.POSITION,
+    Order.ALTITUDE: Mode.ALTITUDE,
+    Order.STABILIZED: Mode.STABILIZED,
+    Order.MISSION: Mode.MISSION,
+    Order.OFFBOARD: Mode.OFFBOARD,
+    Order.TAKE_OFF: Mode.TAKEOFF,
+}
+"""The mode an order asks for."""
 FIRST_STRANGER = 2
 """The bridge's endpoints from here on are those of strangers with a port of their own."""
 CHANGED_PORT = 1000
