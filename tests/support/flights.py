@@ -46,6 +46,10 @@ class Between:
     def truth(self) -> Truth:
         return self.bridge.truth
 
+    @property
+    def ports_dialled(self) -> int:
+        return self.bridge.ports_dialled
+
     def step(self) -> None:
         self.bridge.step()
 
