@@ -15,6 +15,7 @@ from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
 from companion.profiles import SpeedProfile, YawProfile
+from companion.profiles.ends import start_time
 from companion.steering.assembly import rate_steering
 from companion.steering.encoding import AsRates, as_attitude
 from companion.steering.motors import motor_steering
@@ -24,8 +25,6 @@ from companion.vehicle import OutputLevel, Tuning, Vehicle
 
 HOVER_THRUST = 0.5
 """Normalised, where neither the vehicle nor its file says: PX4's own first guess."""
-RAMP_ACCELERATION = 1.5
-"""m/s^2, the steepest rise of the speed at the start."""
 SPEED_SAMPLES = 400
 NOT_SAID = Tuning()
 AS_USUAL = Conduct()
@@ -99,8 +98,7 @@ def prepared(
         )  # fmt: skip
     course = None if bounds is None else course_of(table, placed.alpha, placed.closed, direction)
     hold = hold_law(law_level(level), model_of(vehicle), usual, bounds, placed.heading)
-    # a smooth step of the speed is steepest in its middle, by 1.875
-    ramp_time = 0.0 if vehicle.limits is None else 1.875 * max(map(abs, speeds)) / RAMP_ACCELERATION
+    ramp_time = 0.0 if vehicle.limits is None else start_time(max(map(abs, speeds)))
     return Plan(
         mission=placed,
         vehicle=vehicle,

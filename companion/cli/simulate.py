@@ -191,7 +191,7 @@ def _story(simulation: Simulation) -> Story:
 def _orders(simulation: Simulation) -> Orders:
     sortie = simulation.sortie
     duration = simulation.duration
-    if duration is None and sortie.mission.laps is None:
+    if duration is None and sortie.mission.laps is None and sortie.mission.closed:
         duration = DEFAULT_DURATION
     # the plant is ours: what rates need may be set there
     return Orders(

@@ -14,6 +14,7 @@ from companion.feasibility.limits import Limit, quantities, use_without_yaw, wor
 from companion.feasibility.stations import Stations, places, stations
 from companion.mission import GlobalOrigin, Mission
 from companion.profiles import AutoSpeed, ConstantSpeed
+from companion.profiles.ends import flight_time, start_time
 from companion.vehicle import Vehicle
 
 Array = NDArray[np.float64]
@@ -35,7 +36,8 @@ class Report:
     """What ``check`` says.
 
     ``mission``: as it would be flown, its speed known; ``auto``: whether it was left to the vehicle. ``limits``: those
-    of the contract, in its order; ``others``: more of the same kind. ``length`` m, ``duration`` s: once along the path.
+    of the contract, in its order; ``others``: more of the same kind. ``length`` m, ``duration`` s: once along the path,
+    with the start and the stop where it is open.
     ``speed_scale_max``: the largest factor on the whole speed that keeps every limit, 0 where none does; ``at_most``:
     the limit that is met there. ``max_vdot``: m/s^2, of Remark 4.3. ``asked``, ``at``: the demand and the places it was
     looked at. ``ground``: m, down in the vehicle's local frame.
@@ -116,7 +118,6 @@ def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Re
     found = [*_of_speed(at, asked, vehicle), _vdot(at, asked, vehicle), *speed_free]
     limits = tuple(next(limit for limit in found if limit.name == name) for name in NAMES)
     scale, at_most = speed_scale_max(at, vehicle)
-    slowness = 1.0 / np.abs(at.alpha[0])
     broken = [limit for limit in speed_free if not limit.ok]
     return Report(
         mission=flown,
@@ -125,7 +126,7 @@ def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Re
         limits=limits,
         others=tuple(limit for limit in found if limit.name not in NAMES),
         length=flown.table.length,
-        duration=float(np.sum(0.5 * (slowness[1:] + slowness[:-1]) * np.diff(at.s))),
+        duration=_duration(flown, at, vehicle),
         speed_scale_max=0.0 if broken else scale,
         at_most=max(broken, key=lambda limit: limit.used) if broken else at_most,
         max_vdot=float(np.max(asked.acceleration)),
@@ -133,6 +134,18 @@ def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Re
         asked=asked,
         ground=ground,
     )
+
+
+def _duration(mission: Mission, at: Stations, vehicle: Vehicle) -> float:
+    """s, once along the path: at speed where it goes round, from rest to rest where it is open."""
+    speed = np.abs(at.alpha[0])
+    if mission.closed:
+        slowness = 1.0 / speed
+        return float(np.sum(0.5 * (slowness[1:] + slowness[:-1]) * np.diff(at.s)))
+    start = 0.0 if vehicle.limits is None else start_time(float(speed.max()))
+    if mission.direction > 0.0:
+        return flight_time(at.s, speed, start)
+    return flight_time(mission.table.length - at.s[::-1], speed[::-1], start)
 
 
 def ground_under(mission: Mission) -> float:

@@ -126,7 +126,9 @@ def _path(report: Report) -> str:
 def _time(report: Report) -> str:
     mission = report.mission
     if not mission.closed:
-        return f"{_seconds(report.duration)} from end to end" + (", then back again" if mission.repeat else "")
+        return f"{_seconds(report.duration)} from rest at one end to rest at the other" + (
+            ", then back again" if mission.repeat else ""
+        )
     laps = (
         ""
         if mission.laps is None or mission.laps == 1.0

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 from companion.calculus.scalar import Scalar, maximum
@@ -36,7 +37,7 @@ from companion.law.motion import Model, Motion, acceleration, jerk
 from companion.law.speed_scale import SpeedScale
 from companion.paths.arc import ArcTable
 from companion.paths.curve import Curve
-from companion.profiles import ConstantYaw, SpeedOverArc, Yaw, YawExpression, YawOverArc, YawProfile
+from companion.profiles import ConstantYaw, SpeedOverArc, StoppingSpeed, Yaw, YawExpression, YawOverArc, YawProfile
 from companion.vehicle import Vehicle
 
 ZERO3: Vec3 = (0.0, 0.0, 0.0)
@@ -72,7 +73,7 @@ class Command(NamedTuple):
     rad/s (rates). ``tangent``: mu, in the world frame. ``speed``: mu . V; ``alpha``: the mission's speed here. ``yaw``:
     psi and ``beta`` in rad. ``regularity``: 0 where the law is singular: the sine of the angle between the gradients,
     or on a curve Q, 1 on it and 0 on its evolute. ``aligned``: the cosine of the angle between the thrust axis and the
-    one that the errors ask for.
+    one that the errors ask for. ``end_scale``: on alpha, which falls to 0 towards the open end of a path.
     """
 
     zeta_derivative: float
@@ -84,6 +85,7 @@ class Command(NamedTuple):
     beta: float
     regularity: float
     aligned: float = 1.0
+    end_scale: float = 1.0
 
 
 class Law(Protocol):
@@ -131,9 +133,10 @@ class ImplicitLaw:
         return command
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class CurveLaw:
-    """The law for a parametrised curve. The closest point is sought near ``flying.s``."""
+    """The law for a parametrised curve. The closest point is sought near ``flying.s``. Where the curve is open, the
+    speed falls to zero towards the end that is flown to."""
 
     step: Function
     curve: Curve
@@ -148,13 +151,27 @@ class CurveLaw:
         s = curve.arc(u)
         try:
             beta = self.yaw.at(s) if isinstance(self.yaw, ConstantYaw | YawExpression | YawProfile) else _NO_YAW
-            known = (*(c for derivative in derivatives for c in derivative), *self.speed.at(s), *beta)
+            alpha = self.speed.at(s)
+            flown = alpha if curve.closed else self._stopping(alpha[0] * speed_scale.value).of(s, alpha)
+            known = (*(c for derivative in derivatives for c in derivative), *flown, *beta)
         except (ValueError, ArithmeticError) as error:
             raise LawError(f"speed or yaw is not defined at s = {s:.2f} m: {error}") from None
         command = _called(self.step, flying, speed_scale, known)
         if not self.bounded and command.regularity < REGULARITY_MIN:
             raise LawError(f"singular: {place(flying.p_n)} is a centre of curvature of the path")
-        return command
+        if flown is alpha:
+            return command
+        return command._replace(alpha=alpha[0], end_scale=flown[0] / alpha[0])
+
+    def _stopping(self, speed: float) -> StoppingSpeed:
+        # -0.0 too has a sign: a leg back begins with it
+        return self.stopping[0] if math.copysign(1.0, speed) > 0.0 else self.stopping[1]
+
+    @cached_property
+    def stopping(self) -> tuple[StoppingSpeed, StoppingSpeed]:
+        """The speed towards the end of the curve, and towards its beginning."""
+        length = self.curve.table.length
+        return StoppingSpeed(self.speed, length, 1.0), StoppingSpeed(self.speed, 0.0, -1.0)
 
 
 def _called(step: Function, flying: Flying, speed_scale: SpeedScale, known: Sequence[float]) -> Command:

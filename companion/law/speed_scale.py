@@ -9,8 +9,8 @@ class SpeedScale(NamedTuple):
     """``value``: of the mission's speed that is asked for, 1 in steady flight; may exceed 1, and a negative one flies
     the other way. ``rate``: 1/s. ``acceleration``: 1/s^2.
 
-    The ground station's factor, the start, the braking before an open end, the sign of the leg and the speed governor
-    are one each; what the law is given is their product.
+    The ground station's factor, the start, the sign of the leg and the speed governor are one each; what the law is
+    given is their product. The braking before an open end is a function of displacement: see ``profiles.ends``.
     """
 
     value: float = 1.0

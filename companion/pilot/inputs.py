@@ -11,7 +11,7 @@ from companion.flight.phases import FLOWN, PHASES, Phase
 from companion.flight.situation import Situation
 from companion.frames import tilt
 from companion.pilot.memory import Memory, Observation
-from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining
+from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining, rests
 from companion.plan import Plan
 from companion.vehicle import RateSetpoint
 
@@ -83,7 +83,7 @@ def situation(
         stop=seen.stop,
         missing=missing,
         settled=conduct.at_once or (steered is not None and steered.converged),
-        joined=conduct.at_once or is_at(memory),
+        joined=rests(plan, memory, now) if memory.phase is Phase.REST else conduct.at_once or is_at(memory),
         at_end=at_end,
         goes_back=goes_back(plan, memory),
         finished=_finished(plan, memory, now),
@@ -108,7 +108,7 @@ def _finished(plan: Plan, memory: Memory, now: float) -> str | None:
     if plan.duration is not None and state.t_boot - memory.follow_from > plan.duration + 1e-6:
         return f"followed for {plan.duration:g} s"
     if memory.phase is Phase.REST:
-        return "flew to the end of the path" if is_at(memory) and not goes_back(plan, memory) else None
+        return "flew to the end of the path" if rests(plan, memory, now) and not goes_back(plan, memory) else None
     if plan.laps is not None and plan.table.closed and memory.progress is not None:
         laps = memory.progress.travelled / plan.table.length
         if laps >= plan.laps:

@@ -9,12 +9,10 @@ from companion.frames import Vec3, conjugate, multiply
 from companion.law.speed_scale import BACKWARDS, STANDSTILL, UNITY, SpeedScale
 from companion.mission import Repeat
 from companion.pilot.memory import Memory
-from companion.plan import RAMP_ACCELERATION, Plan
+from companion.plan import Plan
 from companion.steering.steering import Aim, Along, At
 from companion.vehicle import AttitudeSetpoint, MotorSetpoint, RateSetpoint, Setpoint, VehicleState
 
-BRAKE_SHARE = 0.77
-"""The braking x (2 - x) of the speed over the last stretch is steepest by this share of v^2 over its length."""
 END_WITHIN = 0.35
 """m before the open end of a path at which the end point is aimed at instead."""
 SCALE_RATE = 2.0
@@ -22,6 +20,14 @@ SCALE_RATE = 2.0
 JOIN_WITHIN = 0.6
 JOIN_SPEED = 0.5
 """m and m/s: at a point and at rest."""
+REST_WITHIN, REST_SPEED = 0.018, 0.1
+"""m and m/s: at rest in the end point of a path. Engineering choice: what the estimate of a quiet vehicle allows."""
+REST_FOR = 4.0
+"""s after which a vehicle that wind and noise keep from that rests well enough where it is at a point and at rest."""
+TRIM_RATE, TRIM_MAX, TRIM_SPEED = 0.6, 0.5, 0.15
+"""1/s, m, m/s: how quickly the point that is held is moved against the error that is left at the end of a path, and how
+far; the speed below which it is (a vehicle on its way there has no error that stays). Engineering choice: half of the
+rate that would make the hold swing (four poles at -2)."""
 
 
 def here(plan: Plan, state: VehicleState) -> At:
@@ -64,6 +70,34 @@ def is_at(memory: Memory) -> bool:
     return math.dist(state.p_n, aim.p_n) < JOIN_WITHIN and math.hypot(*state.v_n) < JOIN_SPEED
 
 
+def rests(plan: Plan, memory: Memory, now: float) -> bool:
+    """Whether the vehicle has come to rest in the end point of the path. ``now``: s by our clock."""
+    state = memory.state
+    if state is None:
+        return False
+    left, speed = math.dist(state.p_n, on_path(plan, end(plan, memory.leg)).p_n), math.hypot(*state.v_n)
+    if now - memory.entered > REST_FOR:
+        return left < JOIN_WITHIN and speed < JOIN_SPEED
+    return left < REST_WITHIN and speed < REST_SPEED
+
+
+def trimmed(plan: Plan, memory: Memory) -> Memory:
+    """The memory with the point that is held at the end of a path moved against the error that is left: an integral
+    term, for a level or a vehicle whose disturbances are not estimated."""
+    state, aim = memory.state, memory.aim
+    if memory.phase is not Phase.REST or state is None or aim is None or memory.steered_at is None:
+        return memory
+    if math.hypot(*state.v_n) > TRIM_SPEED:
+        return memory
+    step = TRIM_RATE * min(max(state.t_boot - memory.steered_at, 0.0), 0.1)
+    wanted = on_path(plan, end(plan, memory.leg)).p_n
+    x, y, z = (
+        min(max(held + step * (w - p), w - TRIM_MAX), w + TRIM_MAX)
+        for held, w, p in zip(aim.p_n, wanted, state.p_n, strict=True)
+    )
+    return memory._replace(aim=aim._replace(p_n=(x, y, z)))
+
+
 def goes_back(plan: Plan, memory: Memory) -> bool:
     """Whether the path is flown back from its end."""
     if plan.mission.repeat is not Repeat.BACK_AND_FORTH:
@@ -95,8 +129,9 @@ def scaled(memory: Memory, wanted: float, dt: float) -> SpeedScale:
 
 
 def _ramp(plan: Plan, memory: Memory) -> SpeedScale:
-    """The factor on alpha: the start, the end of an open path, what the user asks for, and the sign of the leg."""
-    scale = _start(plan, memory) * _brake(plan, memory) * (UNITY if memory.scale == UNITY else memory.scale)
+    """The factor on alpha: the start, what the user asks for, and the sign of the leg. How the speed falls towards an
+    open end is a matter of displacement, and the law's."""
+    scale = _start(plan, memory) * (UNITY if memory.scale == UNITY else memory.scale)
     return scale if memory.leg > 0.0 else scale * BACKWARDS
 
 
@@ -119,22 +154,6 @@ def smooth_start(since: float, T: float) -> SpeedScale:
         30.0 * t * t * (1.0 - t) ** 2 / T,
         60.0 * t * (1.0 - t) * (1.0 - 2.0 * t) / T**2,
     )
-
-
-def _brake(plan: Plan, memory: Memory) -> SpeedScale:
-    """Towards an open end the speed falls as x (2 - x) over the last stretch: bounded, and no jerk where it begins."""
-    left = remaining(plan, memory)
-    if left == math.inf or memory.progress is None or plan.conduct.at_once:
-        return UNITY
-    alpha = abs(plan.mission.alpha(memory.progress.s))
-    stretch = max(BRAKE_SHARE * alpha * alpha / RAMP_ACCELERATION, 2.0 * END_WITHIN)
-    x = left / stretch
-    if x >= 1.0:
-        return UNITY
-    b, slope, bend = x * (2.0 - x), 2.0 * (1.0 - x), -2.0
-    speed = b * alpha
-    rate = -slope * speed / stretch
-    return SpeedScale(b, rate, (bend * speed * speed / stretch - slope * alpha * rate) / stretch)
 
 
 def turning(plan: Plan, state: VehicleState) -> Vec3:

@@ -18,7 +18,19 @@ from companion.law.errors import LawError
 from companion.law.speed_scale import UNITY
 from companion.pilot.inputs import safety_inputs, situation
 from companion.pilot.memory import OWN_MODE, First, Memory, Observation, Outcome, Progress
-from companion.pilot.targets import chosen, end, here, join, neutral, on_path, scaled, turning
+from companion.pilot.targets import (
+    JOIN_WITHIN,
+    beginning,
+    chosen,
+    end,
+    here,
+    join,
+    neutral,
+    on_path,
+    scaled,
+    trimmed,
+    turning,
+)
 from companion.plan import Plan
 from companion.steering.steering import At
 from companion.vehicle import Landed, Mode, VehicleState
@@ -88,7 +100,7 @@ def _calm(memory: Memory, seen: Observation) -> bool:
 def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
     """The rest of the tick, after ``compute_setpoint`` gave ``memory`` and ``early``."""
     if seen.state is not None and seen.state is memory.state:
-        memory = _progressed(plan, memory, seen.state)
+        memory = trimmed(plan, _progressed(plan, memory, seen.state))
     since, verdict = safety.watched(memory.since, safety_inputs(plan, memory, seen, now), plan.conduct.limits, now)
     if since is not memory.since:
         memory = memory._replace(since=since)
@@ -210,6 +222,10 @@ def _entered(
         memory = memory._replace(leg_from=state.t_boot, reached=plan.conduct.at_once, aim=None)
         if event is Event.TURNED:
             return memory._replace(leg=-memory.leg, legs=memory.legs + 1)
+        if event is Event.JOINED and not plan.table.closed and not plan.conduct.at_once:
+            # at its beginning, even where another part of the path is near: its end, or a crossing
+            s, distance = plan.table.nearest(state.p_n, beginning(plan, memory.leg), SEARCH_ANEW + JOIN_WITHIN)
+            memory = memory._replace(progress=Progress(s, 0.0, distance))
         return memory._replace(follow_from=state.t_boot if memory.follow_from is None else memory.follow_from)
     if phase is Phase.STAND_BY:
         return memory._replace(steering=None, steered=None, steered_at=None, aim=None, leg=1.0, legs=0)
@@ -251,7 +267,8 @@ def _steered(plan: Plan, memory: Memory, seen: Observation) -> First:
     if scale != memory.scale:
         memory = memory._replace(scale=scale)
     aim, ramp = chosen(plan, memory)
-    return First(plan.steering.steer(steering, state, dt, aim, seen.link_delay), ramp, scale)
+    steered = plan.steering.steer(steering, state, dt, aim, seen.link_delay)
+    return First(steered, ramp._replace(value=ramp.value * steered.command.end_scale), scale)
 
 
 def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:

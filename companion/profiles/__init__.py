@@ -6,10 +6,12 @@ law can differentiate them.
 
 speed       alpha: a number, an expression, a profile, or what `auto` is made of
 yaw         beta: a number, an expression, a profile, along the path, towards a point
+ends        how the speed rises from rest, and falls to rest at an open end
 over_arc    functions of arc length: a formula's derivatives, polynomial pieces
 tables      samples -> profiles
 """
 
+from companion.profiles.ends import StoppingSpeed
 from companion.profiles.over_arc import ArcProfile, Four, hermite, interpolated
 from companion.profiles.speed import (
     AutoSpeed,
@@ -34,6 +36,7 @@ __all__ = [
     "SpeedExpression",
     "SpeedOverArc",
     "SpeedProfile",
+    "StoppingSpeed",
     "TangentYaw",
     "Triple",
     "Variables",

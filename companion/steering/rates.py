@@ -267,12 +267,13 @@ class RateSteering:
         """What came of it, and the memory for the next step."""
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
         belief = estimate.estimator.belief
+        asked = command.alpha * command.end_scale * aim.speed_scale.value if isinstance(aim, Along) else 0.0
         at = max(estimate.state.t_boot + timing.delay, memory.commands[-1].at)
         memory = memory._replace(
             commands=(*memory.commands, TimedCommand(at, rates.meant, thrust.specific)),
             zeta=thrust.zeta,
             limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
-            moving=isinstance(aim, Along) and abs(command.alpha * aim.speed_scale.value) > MOVING_SPEED_MIN,
+            moving=abs(asked) > MOVING_SPEED_MIN,
         )
         return Steered(
             setpoint=setpoint,

@@ -18,7 +18,7 @@ from companion.law.gains import Level
 from companion.mission import Mission
 from companion.paths.curve import Curve
 from companion.pilot.targets import smooth_start
-from companion.plan import RAMP_ACCELERATION
+from companion.profiles.ends import start_time
 
 SAMPLES = 2000
 
@@ -69,7 +69,7 @@ class Course:
     def at(self, t: float) -> Moment:
         """The timetable at time ``t`` (s): from rest at s = 0 up to the speed, then at the speed."""
         v = self.speed
-        rise = 1.875 * v / RAMP_ACCELERATION  # a smooth step is steepest in its middle, by 1.875
+        rise = start_time(v)
         x = min(max(t / rise, 0.0), 1.0)
         moved = v * (rise * (2.5 * x**4 - 3.0 * x**5 + x**6) + max(t - rise, 0.0))
         s1, s2, s3 = (v * part for part in smooth_start(max(t, 0.0), rise))
