@@ -34,7 +34,8 @@ class Motors(enum.Enum):
 
 def say(line: str) -> None:
     """A line for the person at the terminal."""
-    print(printable(f"sim-bridge: {line}"), file=sys.stderr, flush=True)
+    with contextlib.suppress(OSError, ValueError):  # a terminal that is gone does not take the vehicle out of the air
+        print(printable(f"sim-bridge: {line}"), file=sys.stderr, flush=True)
 
 
 def fly(

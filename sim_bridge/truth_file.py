@@ -5,6 +5,7 @@ The rows go out in blocks; after each block the header is rewritten with their n
 
 from __future__ import annotations
 
+import os
 import struct
 from pathlib import Path
 from types import TracebackType
@@ -30,19 +31,22 @@ def header(rows: int) -> bytes:
 
 
 class TruthFile:
-    """Writes one. A context manager; OSError where the file cannot be written."""
+    """Writes one. A context manager; OSError where the file cannot be made.
+
+    A disk that is full or gone later is no reason for a vehicle to stop flying: then the file ends, whole as it is.
+    """
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("wb")
-        self._file.write(header(0))
-        self._file.flush()
+        self._file = path.open("wb", buffering=0)
         self._rows = 0
         self._block: list[bytes] = []
         self._last = -1.0
+        self.ended = False
+        self._write(0, header(0))
 
     def append(self, truth: Truth, commands: Four) -> None:
         """The state after a step and the commands that led to it. Nothing is added while the vehicle's clock stands."""
-        if truth.t_boot == self._last:
+        if truth.t_boot == self._last or self.ended:
             return
         self._last = truth.t_boot
         self._block.append(
@@ -55,19 +59,24 @@ class TruthFile:
 
     def flush(self) -> None:
         """Bring everything to the file: the rows first, then the header that counts them."""
-        self._file.write(b"".join(self._block))
-        self._file.flush()
-        self._rows += len(self._block)
+        self._write(HEADER_SIZE + self._rows * _ROW.size, b"".join(self._block))
+        if not self.ended:
+            self._rows += len(self._block)
+            self._write(0, header(self._rows))
         self._block.clear()
-        self._file.seek(0)
-        self._file.write(header(self._rows))
-        self._file.flush()
-        self._file.seek(0, 2)
 
     def close(self) -> None:
         """Write what is left and close."""
         self.flush()
         self._file.close()
+
+    def _write(self, at: int, data: bytes) -> None:
+        try:
+            while data and not self.ended:
+                count = os.pwrite(self._file.fileno(), data, at)
+                at, data = at + count, data[count:]
+        except OSError:
+            self.ended = True
 
     def __enter__(self) -> TruthFile:
         return self

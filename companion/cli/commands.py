@@ -10,7 +10,8 @@ import typer
 
 from companion.cli import file_commands
 from companion.cli.output import Ends, LawOutput, Output, WhoStarts
-from companion.plain_text import printable, printable_lines
+from companion.cli.terminal import open_standard_streams, say
+from companion.plain_text import printable
 from companion.vehicle import CompanionError
 
 app = typer.Typer(
@@ -80,7 +81,7 @@ def sim(
     """Fly a mission in simulation."""
     from companion.cli.check import looked_at
     from companion.cli.finish import Ending, say
-    from companion.cli.orders import Faults, read_sortie, read_world
+    from companion.cli.orders import Faults, check_record, read_sortie, read_world
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
     from companion.feasibility.words import headline
     from companion.record.folder import new_directory
@@ -88,6 +89,7 @@ def sim(
     faults = Faults()
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True))
     simulated = faults.collect(lambda: read_world(world, seed))
+    faults.collect(lambda: check_record(record))
     faults.raise_any()
     assert sortie is not None and simulated is not None
     sortie, found = looked_at(sortie)
@@ -147,7 +149,7 @@ def fly(
     from companion.cli.finish import Ending, refuse, say
     from companion.cli.flying import Flight, authority_of, most_speed_scale
     from companion.cli.flying import fly as fly_now
-    from companion.cli.orders import Faults, read_sortie
+    from companion.cli.orders import Faults, check_record, read_sortie
     from companion.daemon.address import parsed
     from companion.feasibility.words import headline
     from companion.flight.conduct import Conduct, Finish, Limits
@@ -156,6 +158,7 @@ def fly(
     faults = Faults()
     open_port = faults.collect(lambda: parsed(connect))
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, output))
+    faults.collect(lambda: check_record(record))
     faults.raise_any()
     assert sortie is not None and open_port is not None
     sortie, found = looked_at(sortie)
@@ -252,7 +255,10 @@ def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flig
     from companion.record.replay import load_flight
     from companion.record.replay import replay as again
 
-    replayed = again(load_flight(directory))
+    flight = load_flight(directory)
+    for cut in flight.cuts:
+        say(f"note: {cut}")
+    replayed = again(flight)
     if replayed.difference is not None:
         print(f"differs at {replayed.difference}")
         raise typer.Exit(1)
@@ -264,10 +270,11 @@ file_commands.register(app)
 
 def main() -> None:
     """The console entry point."""
+    open_standard_streams()
     try:
         app()
     except CompanionError as error:
-        print(printable_lines(str(error)), file=sys.stderr)
+        say(str(error))
         sys.exit(2)
     except BrokenPipeError:
         sys.exit(1)

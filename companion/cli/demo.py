@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from companion.cli.finish import Ending, say
-from companion.cli.orders import read_sortie, read_world
+from companion.cli.orders import check_record, read_sortie, read_world
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, in_lockstep, over_udp
 from companion.cli.story import DEMO, PLAIN
@@ -19,6 +19,7 @@ SETTLE, PLAIN_SETTLE = 20.0, 10.0
 
 def demo(*, fast: bool, plain: bool, output: Output, record: Path | None, as_json: bool) -> int:
     """Fly it; the exit code. ``plain``: undisturbed, from a hover on the path."""
+    check_record(record)
     for line in PLAIN if plain else DEMO:
         say(line)
     simulation = Simulation(

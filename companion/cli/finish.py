@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 import json
-import sys
+import traceback
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from companion import pilot
+from companion.cli.terminal import say, tell
 from companion.daemon.conductor import Conductor
-from companion.plain_text import printable_lines
-from companion.record.folder import Recorder, write_json
+from companion.daemon.last_resort import LastResort, told
+from companion.daemon.signals import INTERRUPTED
+from companion.daemon.whereabouts import whereabouts
+from companion.record.folder import Recorder
 from companion.record.summary import summary
-from companion.record.table import load_table
+from companion.record.table import Table, read_table
 
-COMPLETED, FAILED, BAD_INPUT, NO_VEHICLE, INTERRUPTED = 0, 1, 2, 3, 130
+COMPLETED, FAILED, BAD_INPUT, NO_VEHICLE = 0, 1, 2, 3
 """Exit codes."""
+__all__ = [
+    "BAD_INPUT",
+    "COMPLETED",
+    "FAILED",
+    "INTERRUPTED",
+    "NO_VEHICLE",
+    "Ended",
+    "Ending",
+    "finish",
+    "refuse",
+    "say",
+]
 
 
 @dataclass(frozen=True)
@@ -28,38 +44,93 @@ class Ending:
     report: bool = False
 
 
-def say(text: str) -> None:
-    """A line for a person: always on stderr, so that stdout is the result's."""
-    print(printable_lines(text), file=sys.stderr, flush=True)
+class Ended(NamedTuple):
+    """How it came to its end, at ``now`` (s, as at the conductor's doors). ``stopped``: a signal asked for it.
+    ``failure``: what ended it where the companion itself failed."""
+
+    now: float
+    stopped: bool
+    failure: LastResort | None = None
 
 
-def finish(conductor: Conductor, recorder: Recorder, ending: Ending, stopped: bool) -> int:
-    """Close the record, print the summary; the exit code."""
-    recorder.close()
-    plan, memory = conductor.plan, conductor.memory
-    if plan is None or memory is None:
-        code = refuse(conductor.refusal or "the flight did not begin", ending.json)
-        return INTERRUPTED if stopped else code
-    done = pilot.completed(memory)
-    reason = pilot.epilogue(memory, conductor.telemetry.status.mode) or (
-        None if done else conductor.refusal or "the flight ended before it was finished"
-    )
-    directory = recorder.directory
-    table = load_table(directory / "flight.npy")
-    truth = load_table(directory / "truth.npy") if (directory / "truth.npy").is_file() else None
-    outcome = "completed" if done else "aborted"
-    figures = summary(plan, table, truth, ending.settle, outcome, reason, str(directory), recorder.simulation)
-    figures["notes"] += _of_the_link(conductor)
-    write_json(directory / "summary.json", figures)
-    if ending.report:
-        from companion.record.report import write_report
-
-        say(f"report: {write_report(directory)}")
-    if ending.json:
-        print(json.dumps(figures, indent=2))
+def finish(conductor: Conductor, recorder: Recorder, ending: Ending, ended: Ended) -> int:
+    """Close the record, print the summary; the exit code. Whatever the disk does, the outcome is told."""
+    done = ended.failure is None and conductor.memory is not None and pilot.completed(conductor.memory)
+    code = COMPLETED if done else FAILED if ended.failure is not None else INTERRUPTED if ended.stopped else FAILED
+    reason = None if done else _reason(conductor, ended)
+    recorder.flush(sync=True)
+    if ended.failure is not None:
+        recorder.keep("failure.txt", ended.failure.trace)
+        say(ended.failure.sentence)
+    if conductor.plan is None or conductor.memory is None:
+        refuse(reason or "the flight did not begin", ending.json)
     else:
-        print(printable_lines(_text(figures)))
-    return COMPLETED if done else INTERRUPTED if stopped else FAILED
+        figures = _figures(conductor, recorder, ending, "completed" if done else "aborted", reason)
+        tell(json.dumps(figures, indent=2) if ending.json else _text(figures))
+    recorder.close()
+    while recorder.words:
+        say(recorder.words.popleft())
+    return code
+
+
+def _reason(conductor: Conductor, ended: Ended) -> str:
+    """Why it was not completed: what happened, what was done, what to do next."""
+    if ended.failure is not None:
+        return ended.failure.sentence
+    mode = conductor.telemetry.status.mode
+    reason = None if conductor.memory is None else pilot.epilogue(conductor.memory, mode)
+    reason = reason or conductor.refusal or "the flight ended before it was finished"
+    where = whereabouts(conductor, ended.now) if ended.stopped else None
+    return reason if where is None else f"{reason}: {where}"
+
+
+def _figures(
+    conductor: Conductor, recorder: Recorder, ending: Ending, outcome: str, reason: str | None
+) -> dict[str, Any]:
+    """The summary, written and with the page where one is wanted; what is left of it where its figures fail."""
+    plan = conductor.plan
+    assert plan is not None
+    directory = recorder.directory
+    figures: dict[str, Any] = {
+        "schema": "companion.flight/1",
+        "mission": plan.mission.name,
+        "vehicle": plan.vehicle.name,
+        "output": plan.level.value,
+        "outcome": outcome,
+        "reason": reason,
+        "notes": [],
+        "record": str(directory),
+    }
+    try:
+        table = recorder.table
+        if table is None:
+            figures["notes"].append("there are no figures: the record cannot be read")
+        else:
+            truth = _truth(directory / "truth.npy")
+            figures = summary(plan, table, truth, ending.settle, outcome, reason, str(directory), recorder.simulation)
+    except Exception as error:  # the outcome is known without them
+        recorder.keep("failure.txt", traceback.format_exc())
+        figures["notes"].append(f"the figures could not be computed ({told(error)}); send in the flight folder")
+    figures["notes"] += recorder.losses + _of_the_link(conductor)
+    if recorder.keep("summary.json", json.dumps(figures, indent=2) + "\n") and ending.report:
+        _report(recorder)
+    return figures
+
+
+def _truth(file: Path) -> Table | None:
+    try:
+        return read_table(file).rows
+    except (OSError, ValueError):
+        return None
+
+
+def _report(recorder: Recorder) -> None:
+    from companion.record.report import write_report
+
+    try:
+        say(f"report: {write_report(recorder.directory)}")
+    except Exception as error:  # the flight is over, and it was not this page's
+        say(f"the report could not be made ({told(error)}); companion report {recorder.directory} makes it again")
 
 
 def _of_the_link(conductor: Conductor) -> list[str]:
@@ -78,9 +149,9 @@ def _of_the_link(conductor: Conductor) -> list[str]:
 def refuse(reason: str, as_json: bool) -> int:
     """Say why nothing was flown; the exit code."""
     if as_json:
-        print(json.dumps({"schema": "companion.flight/1", "outcome": "aborted", "reason": reason}, indent=2))
+        tell(json.dumps({"schema": "companion.flight/1", "outcome": "aborted", "reason": reason}, indent=2))
     else:
-        print(printable_lines(f"not flown: {reason}"))
+        tell(f"not flown: {reason}")
     return FAILED
 
 
@@ -88,6 +159,17 @@ def _text(figures: dict[str, Any]) -> str:
     """The summary for a person."""
     reason = f": {figures['reason']}" if figures["reason"] else ""
     lines = [f"{figures['outcome']}{reason}", ""]
+    if "follow" in figures:
+        lines += _flown(figures)
+    lines += [f"  note: {note}" for note in figures["notes"]]
+    if figures["record"]:
+        lines += ["", f"  flight folder: {figures['record']}"]
+    return "\n".join(lines)
+
+
+def _flown(figures: dict[str, Any]) -> list[str]:
+    """How it was flown, in lines."""
+    lines: list[str] = []
     where = _where(figures)
     flown = figures["follow"]
     lines.append(
@@ -123,11 +205,7 @@ def _text(figures: dict[str, Any]) -> str:
             + (f", state to setpoint {latency['p50']:.0f} us (p99 {latency['p99']:.0f})" if latency else "")
         )
     happened = [event["words"] for event in figures["events"]]
-    lines += ["", *(f"  {words}" for words in happened)] if happened else []
-    lines += [f"  note: {note}" for note in figures["notes"]]
-    if figures["record"]:
-        lines += ["", f"  flight folder: {figures['record']}"]
-    return "\n".join(lines)
+    return lines + (["", *(f"  {words}" for words in happened)] if happened else [])
 
 
 def _where(figures: dict[str, Any]) -> str:

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from companion.cli.finish import NO_VEHICLE, Ending, finish, say
+from companion.cli.around import begin_record, failed, listen_to, no_vehicle
+from companion.cli.finish import INTERRUPTED, Ended, Ending, finish, say
 from companion.cli.orders import Sortie
 from companion.cli.output import WhoStarts
 from companion.daemon.conductor import Conductor, Orders
+from companion.daemon.last_resort import told
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.port import Port
+from companion.daemon.signals import Signals, ending_signals
 from companion.feasibility.report import check
 from companion.feasibility.words import headline
 from companion.flight.conduct import Conduct, ControlAuthority
 from companion.mission import Mission, Origin
 from companion.record.folder import Recorder
 from companion.record.learned import recalled, remembered, state_file
-from companion.vehicle import Vehicle
+from companion.vehicle import CompanionError, Vehicle
 
 WAIT_FOR_VEHICLE = 10.0
 SPEED_SCALE_MAX = 1.5
@@ -67,8 +71,25 @@ def authority_of(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial:
 
 def fly(flight: Flight, port: Port) -> int:
     """Fly; the exit code."""
+    with contextlib.closing(port), ending_signals(say) as signals:
+        recorder = begin_record(flight.directory, flight.sortie, time.time() - clock())
+        try:
+            return _flown(flight, port, recorder, signals)
+        except NoVehicleError as error:
+            recorder.discard()
+            return no_vehicle(str(error), flight.ending)
+        except KeyboardInterrupt:  # before anything flew
+            recorder.discard()
+            return INTERRUPTED
+        except CompanionError:
+            recorder.discard()
+            raise
+        except Exception as error:
+            return failed(error, recorder, flight.ending)
+
+
+def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals) -> int:
     sortie = flight.sortie
-    recorder = Recorder(flight.directory, sortie.mission_source, sortie.vehicle_source, time.time() - clock())
     orders = Orders(
         sortie.mission,
         sortie.vehicle,
@@ -86,15 +107,18 @@ def fly(flight: Flight, port: Port) -> int:
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
     say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.authority]}")
+    listen_to(signals, conductor, recorder)
+    failure = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE)
+    if failure is None:
+        _remember(conductor, sortie.vehicle.name)
+    return finish(conductor, recorder, flight.ending, Ended(clock(), bool(signals.came), failure))
+
+
+def _remember(conductor: Conductor, vehicle: str) -> None:
+    """Keep what the flight found out, for the next."""
     try:
-        stopped = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE)
-    except NoVehicleError as error:
-        recorder.discard()
-        say(str(error))
-        return NO_VEHICLE
-    finally:
-        port.close()
-    learned = conductor.learned
-    if learned is not None:
-        remembered(state_file(sortie.vehicle.name), learned)
-    return finish(conductor, recorder, flight.ending, stopped)
+        learned, file = conductor.learned, state_file(vehicle)
+        if learned is not None and file is not None and not remembered(file, learned):
+            say(f"what the flight found out of the vehicle could not be kept in {file}; the next one begins without it")
+    except Exception as error:  # the flight is over, and its outcome is still to be told
+        say(f"what the flight found out of the vehicle could not be kept ({told(error)})")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from companion.daemon.conductor import Conductor
+from companion.daemon.last_resort import LastResort
 from companion.mavlink.peer import Received
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
@@ -17,26 +18,52 @@ from sim_bridge.strangers import source
 COMPANION_ENDPOINT, GROUND_STATION_ENDPOINT = 0, 1
 
 
-def fly(conductor: Conductor, bridge: Bridge, watch: Callable[[Conductor, Truth], None], time_out: float) -> None:
-    """Fly until the conductor is done, ``time_out`` s of simulated time at most. ``watch`` is called at every step."""
+def fly(
+    conductor: Conductor,
+    bridge: Bridge,
+    watch: Callable[[Conductor, Truth], None],
+    time_out: float,
+    *,
+    survive: bool = False,
+) -> LastResort | None:
+    """Fly until the conductor is done, ``time_out`` s of simulated time at most. ``watch`` is called at every step.
+
+    ``survive``: what escapes a tick is caught as the real-time loop catches it, and what ended the flight then is
+    returned; else it is raised.
+    """
     conductor.link.peers.call(COMPANION_ENDPOINT)
     begun = bridge.now
-    while not conductor.done and bridge.now - begun < time_out:
+    flown: Conductor | LastResort = conductor
+    while not flown.done and bridge.now - begun < time_out:
         bridge.step()
-        now = bridge.now
-        arrived = _arrived(bridge)
-        while arrived or now >= conductor.next_timer():
-            if arrived:
-                conductor.receive(arrived, now)
-            if now >= conductor.next_timer():
-                conductor.on_timer(now)
-            _send(conductor, bridge)
-            conductor.sent()
-            _send(conductor, bridge)
-            arrived = _arrived(bridge)
-            if conductor.done:
-                break
+        try:
+            _exchange(conductor, flown, bridge)
+        except Exception as error:
+            if not survive:
+                raise
+            if isinstance(flown, LastResort):
+                flown.stumble(bridge.now)
+            else:
+                flown = LastResort(conductor, error, bridge.now)
         watch(conductor, bridge.truth)
+    return flown if isinstance(flown, LastResort) else None
+
+
+def _exchange(conductor: Conductor, flown: Conductor | LastResort, bridge: Bridge) -> None:
+    """Everything that the two have to say to each other at this moment."""
+    now = bridge.now
+    arrived = _arrived(bridge)
+    while arrived or now >= flown.next_timer():
+        if arrived:
+            flown.receive(arrived, now)
+        if now >= flown.next_timer():
+            flown.on_timer(now)
+        _send(conductor, flown, bridge)
+        flown.sent()
+        _send(conductor, flown, bridge)
+        arrived = _arrived(bridge)
+        if flown.done:
+            break
 
 
 def _arrived(bridge: Bridge) -> list[Received]:
@@ -48,9 +75,9 @@ def _arrived(bridge: Bridge) -> list[Received]:
     ]
 
 
-def _send(conductor: Conductor, bridge: Bridge) -> None:
+def _send(conductor: Conductor, flown: Conductor | LastResort, bridge: Bridge) -> None:
     """What goes to the vehicle, where it was last met."""
     to = conductor.link.peers.to
-    for datagram in conductor.datagrams():
+    for datagram in flown.datagrams():
         if to == source(COMPANION_ENDPOINT, bridge.ports_dialled):
             bridge.receive(datagram, COMPANION_ENDPOINT)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TypeVar
 
 from companion.cli.output import Output
@@ -21,6 +22,7 @@ from companion.mission import Mission
 from companion.plan import law_level
 from companion.record.circumstances import Simulated
 from companion.record.folder import Source
+from companion.record.place import refuse_used
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle
 
 DEFAULT_VEHICLE = "x500"
@@ -90,6 +92,12 @@ def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, 
     assert mission is not None and vehicle is not None and level is not None
     assert mission_text is not None and vehicle_text is not None
     return Sortie(mission, vehicle, level, mission_text, vehicle_text, output is Output.AUTO)
+
+
+def check_record(record: Path | None) -> None:
+    """Look at the folder given to ``--record`` before anything is started. ConfigError: it is not empty."""
+    if record is not None:
+        refuse_used(record)
 
 
 def read_bare(mission_name: str, vehicle_name: str | None, level: Level) -> tuple[Mission, Vehicle]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import subprocess
@@ -11,7 +12,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from companion.cli.finish import NO_VEHICLE, Ending, finish, say
+from companion.cli.around import begin_record, failed, listen_to, no_vehicle
+from companion.cli.finish import INTERRUPTED, Ended, Ending, finish, say
 from companion.cli.lockstep import fly
 from companion.cli.orders import Sortie
 from companion.cli.story import Story
@@ -19,7 +21,7 @@ from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.progress import Watch
-from companion.daemon.signals import ending_signals
+from companion.daemon.signals import Signals, ending_signals
 from companion.flight.conduct import Conduct
 from companion.frames import quaternion_from_euler
 from companion.geodesy import LocalFrame
@@ -27,7 +29,7 @@ from companion.mission import GlobalOrigin, Mission, Origin
 from companion.places.standing import Whereabouts, placed
 from companion.record.circumstances import Simulated
 from companion.record.folder import Recorder
-from companion.vehicle import OutputLevel
+from companion.vehicle import CompanionError, OutputLevel
 from companion.world import Home, Start, World
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
@@ -36,6 +38,8 @@ from sim_bridge.truth_file import TruthFile
 DEFAULT_DURATION = 60.0
 """s of following for a mission that says neither laps nor is told a duration."""
 SIMULATED_PROGRESS = 5.0
+SIMULATED_FLUSH = 1.0
+"""s of simulated time between two writes of the record: a kill costs no more of it, and memory stays as it is."""
 OVERHEAD = 300.0
 """s of simulated time a flight may take beyond following."""
 WAIT_FOR_PLANT = 10.0
@@ -79,6 +83,21 @@ def at_home(mission: Mission, world: World) -> tuple[Mission, World]:
 
 def in_lockstep(simulation: Simulation) -> int:
     """Fly in one process under a simulated clock; the exit code."""
+    with ending_signals(say) as signals:
+        recorder = begin_record(simulation.directory, simulation.sortie, 0.0, simulation.simulated)
+        try:
+            return _in_lockstep(simulation, recorder, signals)
+        except KeyboardInterrupt:  # before anything flew
+            recorder.discard()
+            return INTERRUPTED
+        except CompanionError:
+            recorder.discard()
+            raise
+        except Exception as error:
+            return failed(error, recorder, simulation.ending)
+
+
+def _in_lockstep(simulation: Simulation, recorder: Recorder, signals: Signals) -> int:
     sortie = simulation.sortie
     direct = sortie.level is OutputLevel.MOTORS
     mission, world = at_home(sortie.mission, simulation.simulated.world)
@@ -91,40 +110,95 @@ def in_lockstep(simulation: Simulation) -> int:
         landed=simulation.from_ground,
         endpoints=1,
     )
-    recorder = _recorder(simulation, epoch=0.0)
     conductor = Conductor(_orders(simulation), recorder, bridge.now)
-    shown, story = Watch(SIMULATED_PROGRESS), _story(simulation)
-    with TruthFile(simulation.directory / "truth.npy") as truth_file:
+    listen_to(signals, conductor, recorder)
+    with contextlib.ExitStack() as stack:
+        truth_file = None
+        with contextlib.suppress(OSError):  # no room for it: the record has said so
+            truth_file = stack.enter_context(TruthFile(recorder.path("truth.npy")))
+        journal = _Journal(recorder, _story(simulation))
 
         def watch(conductor: Conductor, truth: Truth) -> None:
-            truth_file.append(truth, bridge.autopilot.commands)
-            if conductor.notes:
-                for note in conductor.notes:
-                    say(f"{bridge.now:8.2f} s  {note}")
-                conductor.notes.clear()
-            for sentence in story.look(conductor):
-                say(f"{bridge.now:8.2f} s{sentence}")
-            line = shown.look(conductor, bridge.now)
-            if line is not None:
-                say(f"{bridge.now:8.2f} s  {line}")
+            if truth_file is not None:
+                truth_file.append(truth, bridge.autopilot.commands)
+            journal.write(conductor, bridge.now)
 
-        with ending_signals(conductor.stop) as stopped:
-            fly(conductor, bridge, watch, OVERHEAD + (simulation.duration or 3600.0))
-    return finish(conductor, recorder, simulation.ending, bool(stopped))
+        time_out = OVERHEAD + (simulation.duration or 3600.0)
+        failure = fly(conductor, bridge, watch, time_out, survive=True)
+        journal.write(conductor, bridge.now)
+    return finish(conductor, recorder, simulation.ending, Ended(bridge.now, bool(signals.came), failure))
+
+
+class _Journal:
+    """Has the record of a lockstep flight written as it goes on, and says what is to be said."""
+
+    def __init__(self, recorder: Recorder, story: Story) -> None:
+        self._recorder = recorder
+        self._story = story
+        self._shown = Watch(SIMULATED_PROGRESS)
+        self._flushed_at = 0.0
+
+    def write(self, conductor: Conductor, now: float) -> None:
+        """``now``: s of simulated time."""
+        for note in conductor.notes:
+            self._recorder.note(now, note)
+            say(f"{now:8.2f} s  {note}")
+        conductor.notes.clear()
+        for sentence in self._story.look(conductor):
+            say(f"{now:8.2f} s{sentence}")
+        line = self._shown.look(conductor, now)
+        if line is not None:
+            say(f"{now:8.2f} s  {line}")
+        if now - self._flushed_at >= SIMULATED_FLUSH:
+            self._flushed_at = now
+            self._recorder.flush()
+            while self._recorder.words:
+                say(self._recorder.words.popleft())
 
 
 def over_udp(simulation: Simulation) -> int:
     """Fly with the plant as a process of its own, over loopback in real time; the exit code."""
-    sortie = simulation.sortie
     port = UdpPort("127.0.0.1", 0, listen=True)
-    recorder = _recorder(simulation, epoch=time.time() - clock())
-    vehicle_file = simulation.directory / "vehicle.yaml"
+    with contextlib.closing(port), ending_signals(say) as signals:
+        recorder = begin_record(simulation.directory, simulation.sortie, time.time() - clock(), simulation.simulated)
+        try:
+            conductor = Conductor(_orders(simulation), recorder, clock())
+            # a session of its own: Ctrl-C must not take the vehicle away before it has been handed back
+            plant = subprocess.Popen(_plant_command(simulation, recorder, port), start_new_session=True)
+            listen_to(signals, conductor, recorder)
+            signals.at_once.insert(0, plant.kill)
+            teller = _Teller(_story(simulation), conductor)
+            teller.start()
+            try:
+                failure = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
+            finally:
+                teller.finish()
+                _end(plant)
+            return finish(conductor, recorder, simulation.ending, Ended(clock(), bool(signals.came), failure))
+        except NoVehicleError as error:
+            recorder.discard()
+            return no_vehicle(str(error), simulation.ending)
+        except KeyboardInterrupt:  # before anything flew
+            recorder.discard()
+            return INTERRUPTED
+        except CompanionError:
+            recorder.discard()
+            raise
+        except Exception as error:
+            return failed(error, recorder, simulation.ending)
+
+
+def _plant_command(simulation: Simulation, recorder: Recorder, port: UdpPort) -> list[str]:
+    """What starts the plant."""
+    sortie = simulation.sortie
+    copy = simulation.directory / "vehicle.yaml"
+    vehicle_file = str(copy) if copy.is_file() else sortie.vehicle_source.name  # there was no room for a copy
     mission, world = at_home(sortie.mission, simulation.simulated.world)
     home = f"{world.home.latitude!r},{world.home.longitude!r},{world.home.altitude!r}"
     command = [
-        *(sys.executable, "-m", "sim_bridge", "--vehicle", str(vehicle_file), "--world", simulation.simulated.file),
+        *(sys.executable, "-m", "sim_bridge", "--vehicle", vehicle_file, "--world", simulation.simulated.file),
         *("--connect", f"udpout://127.0.0.1:{port.local[1]}", "--ground-station", "none"),
-        *("--home", home, "--seed", str(simulation.simulated.seed), "--truth", str(simulation.directory / "truth.npy")),
+        *("--home", home, "--seed", str(simulation.simulated.seed), "--truth", str(recorder.path("truth.npy"))),
     ]
     if sortie.level is OutputLevel.MOTORS:
         command += ["--motors", "direct"]
@@ -138,27 +212,17 @@ def over_udp(simulation: Simulation) -> int:
             "held": start.held,
         }
         command += ["--start", json.dumps(told)]
-    conductor = Conductor(_orders(simulation), recorder, clock())
-    teller = _Teller(_story(simulation), conductor)
-    # a session of its own: Ctrl-C must not take the vehicle away before it has been handed back
-    plant = subprocess.Popen(command, start_new_session=True)
-    teller.start()
+    return command
+
+
+def _end(plant: subprocess.Popen[bytes]) -> None:
+    """End the plant's process."""
+    plant.terminate()
     try:
-        stopped = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
-    except NoVehicleError as error:
-        recorder.discard()
-        say(str(error))
-        return NO_VEHICLE
-    finally:
-        teller.finish()
-        plant.terminate()
-        try:
-            plant.wait(5.0)
-        except subprocess.TimeoutExpired:
-            plant.kill()
-            plant.wait()
-        port.close()
-    return finish(conductor, recorder, simulation.ending, stopped)
+        plant.wait(5.0)
+    except subprocess.TimeoutExpired:
+        plant.kill()
+        plant.wait()
 
 
 class _Teller(threading.Thread):
@@ -204,8 +268,3 @@ def _orders(simulation: Simulation) -> Orders:
         set_parameters=True,
         conduct=Conduct(at_once=sortie.mission.start is not None),
     )
-
-
-def _recorder(simulation: Simulation, epoch: float) -> Recorder:
-    sortie = simulation.sortie
-    return Recorder(simulation.directory, sortie.mission_source, sortie.vehicle_source, epoch, simulation.simulated)

@@ -102,7 +102,7 @@ class Conductor:
         self._rate: float | None = None
         self._stream = stream
         self._stop = False
-        self._preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes)
+        self.preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes)
         self._wake_at = now
         self._half: Half | None = None
         self._pending: Tick | None = None
@@ -112,12 +112,12 @@ class Conductor:
     @property
     def done(self) -> bool:
         """Whether there is nothing left to do."""
-        return self._over and not self._preparation.changed
+        return self._over and not self.preparation.changed
 
     @property
     def refusal(self) -> str | None:
         """Why the flight was not even begun, in one sentence."""
-        return self._preparation.refusal
+        return self.preparation.refusal
 
     @property
     def _over(self) -> bool:
@@ -168,7 +168,7 @@ class Conductor:
                 if frame.format.id in GROUND_WANTED and self.link.identity is not None:
                     self.ground.receive(frame, self.link.identity.system, now, of_vehicle=of_vehicle)
                 elif of_vehicle:
-                    self._preparation.met(frame.system, now)
+                    self.preparation.met(frame.system, now)
                     self.parameters.receive(frame)
                     arrived = self.telemetry.receive(frame)
                     if arrived is not None:
@@ -177,7 +177,7 @@ class Conductor:
         for _, text in self.link.texts:
             self.notes.append(f"vehicle: {text}")
         self.link.texts.clear()
-        self._preparation.restored()
+        self.preparation.restored()
         self._counted(count, now)
         return state, answer, count
 
@@ -198,7 +198,7 @@ class Conductor:
         self._now = now
         self.link.on_timer(now)
         self.parameters.on_timer(now)
-        self._preparation.restored()
+        self.preparation.restored()
         self.ground.on_timer(now)
         if now >= self._wake_at:
             self._tick(None, None, now)
@@ -224,6 +224,16 @@ class Conductor:
             tick, self._pending = self._pending, None
             if self._recorder is not None:
                 self._recorder.tick(tick.seen, tick.memory, tick.outcome, tick.now, latency)
+
+    def drop_tick(self) -> None:
+        """Forget the tick in hand: its pilot has failed."""
+        self._half = self._pending = None
+
+    def queue(self, setpoint: Setpoint, t_boot: float) -> None:
+        """Have a setpoint sent, with the time (s, the vehicle's) of its state."""
+        if self.link.identity is not None:
+            target = (self.link.identity.system, AUTOPILOT_COMPONENT)
+            self.link.send(*setpoints.encoded(setpoint, t_boot, *target))
 
     def _tick(self, state: VehicleState | None, answer: Answer | None, now: float, behind: int = 0) -> None:
         if self._over:
@@ -265,18 +275,14 @@ class Conductor:
         self.last = self._pending = Tick(seen, self.memory, outcome, now, before)
         self.ground.told(self.plan, self.memory, outcome, self.memory.first_fault is not None, now)
         if self._over:
-            self._preparation.restore(now)
+            self.preparation.restore(now)
 
     def _queue(self, memory: Memory, setpoint: Setpoint) -> None:
-        """Have a setpoint sent, with the time of its state."""
-        if self.link.identity is not None:
-            stamp = memory.state.t_boot if memory.state is not None else 0.0
-            target = (self.link.identity.system, AUTOPILOT_COMPONENT)
-            self.link.send(*setpoints.encoded(setpoint, stamp, *target))
+        self.queue(setpoint, memory.state.t_boot if memory.state is not None else 0.0)
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
         """Make the plan once the vehicle is known and has said where it is."""
-        preparation = self._preparation
+        preparation = self.preparation
         if self._stop:
             preparation.refusal = "stopped by the user before the flight began"
         else:

@@ -1,26 +1,27 @@
 """A conductor on a real link in real time: one thread, blocking receive, the control step inside the receive.
 
-What does not feed the setpoint (files, the screen) is done by a second thread that sleeps nearly always.
+What does not feed the setpoint (files, the screen) is done by two other threads that sleep nearly always. Whatever
+escapes a turn is caught here and nowhere else; from then on the last resort stands in the conductor's place.
 """
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import math
 import os
 import sys
-import threading
 import time
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from companion.daemon.conductor import Conductor
+from companion.daemon.last_resort import LastResort
 from companion.daemon.port import Port
 from companion.daemon.priority import parted
-from companion.daemon.progress import Watch, about, standing
-from companion.daemon.realtime import HELPER_PRIORITY, at_priority, punctual
+from companion.daemon.progress import about
+from companion.daemon.realtime import punctual
 from companion.daemon.rhythm import Rhythm
-from companion.daemon.signals import ending_signals
+from companion.daemon.scribe import DISK_PATIENCE, SCREEN_PATIENCE, Scribe, Teller
 from companion.daemon.status_file import Notice
 from companion.daemon.systemd import Service
 from companion.daemon.warm_up import Rehearsal
@@ -30,10 +31,6 @@ from companion.vehicle import CompanionError
 
 SWITCH_INTERVAL = 5e-5
 """s that another Python thread may keep the control thread waiting; Python's default of 5 ms is a whole period."""
-SCRIBE_PERIOD = 0.25
-PROGRESS_PERIOD = 1.0
-NOTES = 5
-"""Lines that another terminal is shown of what was said."""
 IDLE_MAX = 0.1
 """s of waiting at most, to see signals and time-outs."""
 
@@ -49,158 +46,163 @@ def clock() -> float:
 
 def run(
     conductor: Conductor, port: Port, recorder: Recorder | None, say: Callable[[str], None], wait_for_vehicle: float
-) -> bool:
-    """Fly until the conductor is done. True where a signal asked for the end.
+) -> LastResort | None:
+    """Fly until the conductor is done. What ended the flight in its place, where the companion itself failed.
 
     ``say`` takes lines for a person. NoVehicleError: none within ``wait_for_vehicle`` s.
     """
+    with _undisturbed(), contextlib.closing(Service(os.environ)) as service:
+        notice = Notice(about(conductor.orders, port.describe(), recorder))
+        teller = Teller(conductor, notice, service, say, clock)
+        scribe = None if recorder is None else Scribe(recorder, teller.lines, clock)
+        try:
+            teller.start()
+            if scribe is not None:
+                scribe.start()
+            with punctual() as priority:
+                say(priority)
+                service.ready(f"listening to {port.describe()}")
+                return _Flight(conductor, port, service, recorder, teller).fly(wait_for_vehicle)
+        finally:
+            service.stopping()
+            if scribe is not None and recorder is not None and not scribe.finish(DISK_PATIENCE):
+                recorder.abandon()
+            teller.finish(SCREEN_PATIENCE)
+            notice.remove()
+
+
+@contextlib.contextmanager
+def _undisturbed() -> Iterator[None]:
+    """While it lasts, neither the interpreter's other threads nor its collections come between."""
     interval = sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_INTERVAL)
     _freeze()
     gc.disable()
-    service = Service(os.environ)
-    scribe = _Scribe(conductor, port, recorder, say, service)
-    scribe.start()
     try:
-        with punctual() as priority, ending_signals(conductor.stop) as stopped:
-            say(priority)
-            service.ready(f"listening to {port.describe()}")
-            _fly(conductor, port, service, wait_for_vehicle)
+        yield
     finally:
-        service.stopping()
-        scribe.finish()
-        service.close()
         gc.enable()
         gc.unfreeze()
         sys.setswitchinterval(interval)
-    return bool(stopped)
 
 
-def _fly(conductor: Conductor, port: Port, service: Service, wait_for_vehicle: float) -> None:
-    if port.called is not None:
-        conductor.link.peers.call(port.called)
-    begun = clock()
-    rhythm, rehearsal = Rhythm(), Rehearsal()
-    states = 0
-    frozen = False
-    while not conductor.done:
-        batch = _next(conductor, port, rhythm, rehearsal)
+class _Flight:
+    """A flight's turns: wait for what arrives, act, send; whoever flies."""
+
+    def __init__(
+        self, conductor: Conductor, port: Port, service: Service, recorder: Recorder | None, teller: Teller
+    ) -> None:
+        self._conductor = conductor
+        self._flown: Conductor | LastResort = conductor
+        self._port = port
+        self._service = service
+        self._recorder = recorder
+        self._teller = teller
+        self._rhythm, self._rehearsal = Rhythm(), Rehearsal()
+        self._states = 0
+        self._frozen = False
+
+    def fly(self, wait_for_vehicle: float) -> LastResort | None:
+        """Turn after turn until it is done."""
+        if self._port.called is not None:
+            self._conductor.link.peers.call(self._port.called)
+        begun = clock()
+        while not self._flown.done:
+            try:
+                self._turn()
+            except Exception as error:  # the one place that catches whatever escapes
+                if isinstance(self._flown, LastResort):
+                    self._flown.stumble(clock())
+                else:
+                    self._flown = LastResort(self._conductor, error, clock())
+                    self._conductor.notes.append(f"the companion itself failed: {error!r}")
+            if self._conductor.link.identity is None and clock() - begun > wait_for_vehicle:
+                raise self._nobody(wait_for_vehicle)
+        self._hand_over(clock())
+        return self._flown if isinstance(self._flown, LastResort) else None
+
+    def _turn(self) -> None:
+        flown = self._flown
+        batch = self._next()
         arrived = clock()
         if batch:
-            urgent, later = (
-                (batch, []) if port.stream else parted(batch, conductor.decoder.wanted, conductor.link.peers.heard)
-            )
-            conductor.receive(urgent, arrived)
-            _send(conductor, port, arrived)
-            if conductor.states != states:
-                states = conductor.states
-                rhythm.arrived(arrived)
+            urgent, later = self._parted(batch)
+            flown.receive(urgent, arrived)
+            self._send(arrived)
+            if self._conductor.states != self._states:
+                self._states = self._conductor.states
+                self._rhythm.arrived(arrived)
                 gc.collect(0)  # now, and not in the middle of a tick
             if later:
-                conductor.receive(later, arrived)
-                _send(conductor, port, arrived)
+                flown.receive(later, arrived)
+                self._send(arrived)
         now = clock()
-        if now >= conductor.next_timer():
-            conductor.on_timer(now)
-            _send(conductor, port)
-        service.alive(now)
-        if conductor.plan is not None and not frozen:
-            frozen = True
+        if now >= flown.next_timer():
+            flown.on_timer(now)
+            self._send()
+        self._service.alive(now)
+        self._hand_over(now)
+        if self._conductor.plan is not None and not self._frozen:
+            self._frozen = True
             _freeze()
-        if conductor.link.identity is None and now - begun > wait_for_vehicle:
-            heard = conductor.link.peers.heard_words(conductor.decoder.counters)
-            raise NoVehicleError(
-                f"no vehicle: listened to {port.describe()} for {wait_for_vehicle:g} s and heard {heard}"
-            )
 
+    def _parted(self, batch: list[Received]) -> tuple[list[Received], list[Received]]:
+        """What is taken in before the setpoint, and after it."""
+        if self._port.stream:
+            return batch, []
+        return parted(batch, self._conductor.decoder.wanted, self._conductor.link.peers.heard)
 
-def _next(conductor: Conductor, port: Port, rhythm: Rhythm, rehearsal: Rehearsal) -> list[Received]:
-    """What arrives next; nothing, where something else is due first."""
-    now = clock()
-    timer = min(conductor.next_timer(), now + IDLE_MAX)
-    while (early := rhythm.rehearse_at(now)) < timer:
-        batch = port.receive(early - now)
-        if batch:
-            return batch
-        begun = clock()
-        if not rehearsal.fly(conductor):
-            break
+    def _next(self) -> list[Received]:
+        """What arrives next; nothing, where something else is due first."""
+        port, rhythm = self._port, self._rhythm
         now = clock()
-        rhythm.rehearsed(begun, now)
-        batch = port.receive(0.0)
-        if batch:
-            rhythm.was_late()
-            return batch
-    while clock() < rhythm.watch_until:
-        batch = port.receive(0.0)
-        if batch:
-            return batch
-    return port.receive(max(timer - clock(), 0.0))
+        timer = min(self._flown.next_timer(), now + IDLE_MAX)
+        while (early := rhythm.rehearse_at(now)) < timer and self._flown is self._conductor:
+            batch = port.receive(early - now)
+            if batch:
+                return batch
+            begun = clock()
+            if not self._rehearsal.fly(self._conductor):
+                break
+            now = clock()
+            rhythm.rehearsed(begun, now)
+            batch = port.receive(0.0)
+            if batch:
+                rhythm.was_late()
+                return batch
+        while clock() < rhythm.watch_until:
+            batch = port.receive(0.0)
+            if batch:
+                return batch
+        return port.receive(max(timer - clock(), 0.0))
 
+    def _send(self, arrived: float = math.nan) -> None:
+        to = self._conductor.link.peers.to
+        for datagram in self._flown.datagrams():
+            if to is not None:
+                self._port.send(datagram, to)
+        self._flown.sent(clock() - arrived)
+        for datagram in self._flown.datagrams():
+            if to is not None:
+                self._port.send(datagram, to)
 
-def _send(conductor: Conductor, port: Port, arrived: float = math.nan) -> None:
-    to = conductor.link.peers.to
-    for datagram in conductor.datagrams():
-        if to is not None:
-            port.send(datagram, to)
-    conductor.sent(clock() - arrived)
-    for datagram in conductor.datagrams():
-        if to is not None:
-            port.send(datagram, to)
+    def _hand_over(self, now: float) -> None:
+        """What was said goes to the record and to the screen."""
+        notes = self._conductor.notes
+        if not notes:
+            return
+        for note in notes:
+            if self._recorder is not None:
+                self._recorder.note(now, note)
+            self._teller.lines.append(note)
+        notes.clear()
+
+    def _nobody(self, waited: float) -> NoVehicleError:
+        heard = self._conductor.link.peers.heard_words(self._conductor.decoder.counters)
+        return NoVehicleError(f"no vehicle: listened to {self._port.describe()} for {waited:g} s and heard {heard}")
 
 
 def _freeze() -> None:
     """What is here now is here to stay: looking at it again in a collection would take three periods of 250 Hz."""
     gc.collect()
     gc.freeze()
-
-
-class _Scribe(threading.Thread):
-    """Writes the record and the screen."""
-
-    def __init__(
-        self, conductor: Conductor, port: Port, recorder: Recorder | None, say: Callable[[str], None], service: Service
-    ) -> None:
-        super().__init__(name="scribe", daemon=True)
-        self._notice = Notice(about(conductor.orders, port.describe(), recorder))
-        self._noted: deque[str] = deque(maxlen=NOTES)
-        self._noticed_at = -math.inf
-        self._conductor = conductor
-        self._recorder = recorder
-        self._say = say
-        self._service = service
-        self._watch = Watch(PROGRESS_PERIOD)
-        self._finished = threading.Event()
-        self._full = False
-
-    def run(self) -> None:
-        at_priority(HELPER_PRIORITY)
-        while not self._finished.wait(SCRIBE_PERIOD):
-            self._write()
-
-    def finish(self) -> None:
-        """Write what is left and end."""
-        self._finished.set()
-        self.join()
-        self._write()
-        self._notice.remove()
-
-    def _write(self) -> None:
-        if self._recorder is not None and not self._full:
-            try:
-                self._recorder.flush()
-            except OSError as error:
-                self._full = True
-                self._say(f"the record cannot be written ({error.strerror}); the flight goes on without")
-        notes = self._conductor.notes
-        for _ in range(len(notes)):
-            self._noted.append(notes.pop(0))
-            self._say(self._noted[-1])
-        now = clock()
-        line = self._watch.look(self._conductor, now)
-        if line is not None:
-            self._say(line)
-            self._service.status(line)
-        if line is not None or now - self._noticed_at >= PROGRESS_PERIOD:
-            self._noticed_at = now
-            self._notice.write({**standing(self._conductor), "progress": line, "notes": list(self._noted)})

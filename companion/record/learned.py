@@ -17,15 +17,20 @@ SCHEMA = "companion.learned/1"
 DAY = 86400.0
 
 
-def state_file(vehicle: str) -> Path:
-    """Where the figures of a vehicle are kept."""
-    base = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
-    safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in vehicle).lstrip(".") or "vehicle"
-    return Path(base) / "companion" / f"{safe}.json"
+def state_file(vehicle: str) -> Path | None:
+    """Where the figures of a vehicle are kept; None where this user has no home to keep them in."""
+    safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in vehicle).lstrip(".")[:100] or "vehicle"
+    base = os.environ.get("XDG_STATE_HOME")
+    try:
+        return (Path(base) if base else Path.home() / ".local" / "state") / "companion" / f"{safe}.json"
+    except RuntimeError:  # no HOME, and no entry among the users: a container's number
+        return None
 
 
-def recalled(file: Path) -> Learned | None:
+def recalled(file: Path | None) -> Learned | None:
     """What was learned, with its age by the clock on the wall; None where there is nothing that makes sense."""
+    if file is None:
+        return None
     try:
         told = json.loads(read_owned(file) or "")
         age = max(0.0, (time.time() - float(told["flown_at"])) / DAY)

@@ -18,18 +18,19 @@ from companion.feasibility.auto import flyable
 from companion.flight.conduct import from_dict
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
-from companion.record.table import Table, load_table
+from companion.record.table import Table, read_table
 from companion.vehicle import MotorInterface, OutputLevel, Tuning
 
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A flight folder, read again."""
+    """A flight folder, read again. ``cuts``: in words, which of its files end before their flight did."""
 
     plan: Plan
     table: Table
     truth: Table | None
     begun_at: float
+    cuts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,10 +56,12 @@ def load_flight(directory: Path) -> Recorded:
         learned = None if resolved.get("learned") is None else Learned(**resolved["learned"])
         mission = _document(directory / "mission.yaml")
         vehicle = _document(directory / "vehicle.yaml")
-        table = load_table(directory / "flight.npy")
-        truth = load_table(directory / "truth.npy") if (directory / "truth.npy").is_file() else None
+        table, cut = read_table(directory / "flight.npy", rows.COLUMNS)
+        truth, truth_cut = _truth(directory / "truth.npy")
     except FileNotFoundError as error:
         message = f"{Path(str(error.filename)).name} is missing; expected a flight folder"
+        if error.filename == str(resolved_file) and (directory / "link.tlog").is_file():
+            message = "the record ends before the flight began; link.tlog has what was heard until then"
         raise ConfigError([Fault(str(directory), 1, "", message)]) from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         message = f"not a readable flight folder: {error}"
@@ -66,7 +69,8 @@ def load_flight(directory: Path) -> Recorded:
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
     flown = flyable(mission_from(mission, law_level(level), directory), machine).placed((x, y, z), turn)
     plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning, conduct, learned)
-    return Recorded(plan, table, truth, begun_at)
+    cuts = tuple(words for words in (cut, truth_cut) if words is not None)
+    return Recorded(plan, table, truth, begun_at, cuts)
 
 
 def replay(flight: Recorded) -> Replayed:
@@ -85,6 +89,16 @@ def replay(flight: Recorded) -> Replayed:
             changed = ", ".join(f"{n} {a} -> {b}" for n, a, b in zip(names, was, now_is, strict=True) if a != b)
             return Replayed(index + 1, setpoints, f"tick {index} at {now:.3f} s: {changed}")
     return Replayed(len(flight.table), setpoints, None)
+
+
+def _truth(path: Path) -> tuple[Table | None, str | None]:
+    """The plant's true state, and how it was cut; None where there is none."""
+    if not path.is_file():
+        return None, None
+    try:
+        return read_table(path)
+    except ValueError:
+        return None, f"{path.name} is cut within its header: no row of it is left"
 
 
 def _document(path: Path) -> Document:

@@ -6,39 +6,27 @@ Each record is the time as a big-endian count of microseconds since 1970 and the
 from __future__ import annotations
 
 import struct
-from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
 
 from companion.mavlink.codec import Decoder
+from companion.record.growing import GrowingFile
 
+FRAMES_WAITING = 30_000
+"""Frames that wait for the disk at most, about half a minute of a 250 Hz link in 6 MB (engineering choice)."""
 _STAMP = struct.Struct(">Q")
 
 
-class TlogWriter:
+class TlogWriter(GrowingFile):
     """Writes frames. ``epoch``: s since 1970 at which our monotonic clock read zero."""
 
     def __init__(self, path: Path, epoch: float) -> None:
-        self._file: BinaryIO = path.open("wb")
+        super().__init__(path, FRAMES_WAITING)
         self._epoch = epoch
-        self._pending: deque[tuple[float, bytes]] = deque()
 
-    def append(self, now: float, raw: bytes) -> None:
-        """Take one frame that came or went at ``now``; it reaches the file with the next ``flush``, which another
-        thread may call."""
-        self._pending.append((now, raw))
-
-    def flush(self) -> None:
-        """Write what was appended."""
-        waiting = [self._pending.popleft() for _ in range(len(self._pending))]
-        self._file.write(b"".join(_STAMP.pack(round((self._epoch + now) * 1e6)) + raw for now, raw in waiting))
-        self._file.flush()
-
-    def close(self) -> None:
-        """Flush and close."""
-        self.flush()
-        self._file.close()
+    def frame(self, now: float, raw: bytes) -> None:
+        """Take one frame that came or went at ``now``."""
+        self.append(_STAMP.pack(round((self._epoch + now) * 1e6)) + raw)
 
 
 def records(data: bytes) -> Iterator[tuple[float, bytes]]:

@@ -62,7 +62,8 @@ def test_circle_on_an_x500_with_motor_lag_and_drag(tmp_path: Path) -> None:
     assert [phase["phase"] for phase in figures["phases"]] == ["take over", "follow", "hand back", "done"]
     folder = tmp_path / "flight"
     assert {p.name for p in folder.iterdir()} == {
-        "flight.npy", "link.tlog", "mission.yaml", "resolved.json", "summary.json", "truth.npy", "vehicle.yaml",
+        "flight.npy", "link.tlog", "mission.yaml", "notes.txt", "resolved.json", "summary.json", "truth.npy",
+        "vehicle.yaml",
     }  # fmt: skip
     assert json.loads((folder / "summary.json").read_text()) == figures
     done = companion("replay", "flight", cwd=tmp_path)

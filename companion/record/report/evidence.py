@@ -36,7 +36,7 @@ class Evidence:
     """A flight, read for telling.
 
     ``figures``: the summary. ``resolved``: resolved.json. ``remade``: the summary was missing and has been computed
-    again. ``sources``: the text of mission.yaml and vehicle.yaml.
+    again. ``sources``: the text of mission.yaml and vehicle.yaml. ``cuts``: which files end before their flight did.
     """
 
     directory: Path
@@ -47,6 +47,7 @@ class Evidence:
     resolved: Figures
     remade: bool
     sources: dict[str, str]
+    cuts: tuple[str, ...] = ()
 
     @cached_property
     def told(self) -> Series:
@@ -113,6 +114,7 @@ def gathered(directory: Path) -> Evidence:
         resolved=resolved,
         remade=remade,
         sources={name: (directory / name).read_text(encoding="utf-8") for name in ("mission.yaml", "vehicle.yaml")},
+        cuts=flight.cuts,
     )
 
 

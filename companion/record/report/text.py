@@ -59,6 +59,7 @@ def notes(evidence: Evidence) -> list[str]:
     """What must not be overlooked: the summary's own notes, and what the folder lacks."""
     told = evidence.figures.get("notes")
     found = [str(note) for note in told] if isinstance(told, list) else []
+    found += evidence.cuts
     if evidence.remade:
         found.append(
             f"the folder holds no summary, so its figures were computed from the record, with {SETTLE:g} s to settle"

@@ -1,0 +1,64 @@
+"""What every flight is wrapped in: its record, its signals, and what is told where it had no end of its own."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+
+from companion.cli.finish import FAILED, NO_VEHICLE, Ending, refuse
+from companion.cli.orders import Sortie
+from companion.cli.terminal import say
+from companion.daemon.conductor import Conductor
+from companion.daemon.last_resort import told
+from companion.daemon.loop import clock
+from companion.daemon.signals import Signals
+from companion.daemon.whereabouts import whereabouts
+from companion.record.circumstances import Simulated
+from companion.record.folder import Recorder
+
+
+def begin_record(directory: Path, sortie: Sortie, epoch: float, simulated: Simulated | None = None) -> Recorder:
+    """The record of a flight that begins, and what is to be said of it. ConfigError: the folder cannot be one."""
+    recorder = Recorder(directory, sortie.mission_source, sortie.vehicle_source, epoch, simulated)
+    while recorder.words:
+        say(recorder.words.popleft())
+    return recorder
+
+
+def listen_to(signals: Signals, conductor: Conductor, recorder: Recorder) -> None:
+    """From now on a signal ends this flight, and a second one the process."""
+    signals.stop = conductor.stop
+
+    def last_words() -> None:
+        where = whereabouts(conductor, clock())
+        say(
+            "a second signal: the companion ends at once and hands nothing back"
+            + (
+                ""
+                if where is None
+                else f"; {where}. Where it flew on setpoints, PX4 acts on their loss (COM_OBL_RC_ACT)"
+            )
+        )
+
+    signals.at_once += [last_words, recorder.flush]  # no sync: a process cannot end in the middle of one
+
+
+def no_vehicle(reason: str, ending: Ending) -> int:
+    """Nobody was heard; the exit code."""
+    if ending.json:
+        refuse(reason, as_json=True)
+    say(reason)
+    return NO_VEHICLE
+
+
+def failed(error: Exception, recorder: Recorder, ending: Ending) -> int:
+    """The companion itself failed outside of the flight's own turns; the exit code."""
+    recorder.keep("failure.txt", traceback.format_exc())
+    recorder.close()
+    sentence = (
+        f"the companion itself failed ({told(error)}): nothing more was sent; look at the vehicle, and send in the "
+        f"flight folder {recorder.directory}"
+    )
+    refuse(sentence, ending.json)
+    say(sentence)
+    return FAILED

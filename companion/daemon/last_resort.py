@@ -1,0 +1,161 @@
+"""What is done when the companion itself fails: an exception that nobody expected escaped a tick.
+
+It stands in the conductor's place with the same doors, and asks the pilot nothing any more. Where the vehicle flies on
+our setpoints, HOLD is asked for as the link's own rules bound it, and the vehicle is levelled for as long as an abort
+would, never longer; then there is silence, so that PX4's own failsafe can act. A vehicle that is in a mode of its own
+is left in it. Every step here may fail too, and the others are taken all the same.
+"""
+
+from __future__ import annotations
+
+import math
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from companion import pilot
+from companion.daemon.conductor import COMMANDS, Conductor
+from companion.flight.conduct import ControlAuthority
+from companion.flight.phases import Request
+from companion.mavlink.peer import Received
+from companion.vehicle import Mode, VehicleState
+
+ASKING = 1.4
+"""s for which HOLD is asked for, three times at most (rule of the link: once in 0.5 s)."""
+STATUS_FRESH = 0.3
+"""s that a status may be old for a mode to be asked for because of it."""
+RESTORING = 2.0
+"""s for the parameters that were set for the flight to be set back."""
+STEP = 0.02
+"""s between two looks where nothing arrives: a level setpoint is computed anew each time."""
+STATE_FRESH = 0.2
+"""s that a state may be old to be levelled by; a level setpoint without one is what a hover takes."""
+T = TypeVar("T")
+
+
+class LastResort:
+    """``error`` escaped at ``now`` from what flew ``conductor``. Doors as those of a conductor."""
+
+    def __init__(self, conductor: Conductor, error: Exception, now: float) -> None:
+        self.error = error
+        self.trace = "".join(traceback.format_exception(error))
+        self._conductor = conductor
+        self._begun = self._now = self._heard_at = now
+        self._restoring_since: float | None = None
+        self._state: VehicleState | None = None
+        self._state_at = -math.inf
+        if conductor.memory is not None and conductor.memory.state_at is not None:
+            self._state, self._state_at = conductor.memory.state, conductor.memory.state_at
+        self._authority = conductor.orders.conduct.authority
+        self.was_flying = self._ours()
+        self.asked = False
+        conductor.drop_tick()
+        self._try(lambda: conductor.link.requests.want(None, now))
+        self._act(now)
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to do."""
+        if self._restoring_since is None:
+            return False
+        return not self._conductor.preparation.changed or self._now - self._restoring_since > RESTORING
+
+    @property
+    def sentence(self) -> str:
+        """What happened, what was done, what to do next."""
+        mode = self._conductor.telemetry.status.mode
+        where = "an unknown mode" if mode is None else mode.words
+        if not self.was_flying:
+            did = "nothing more was sent" if self._conductor.memory is not None else "nothing was flown"
+        elif self.asked:
+            did = f"HOLD was asked for, and the vehicle is in {where}"
+        else:
+            did = f"the vehicle was levelled for {pilot.LEVEL_FOR:g} s, then setpoints stopped; it is in {where}"
+        do = "take the vehicle by remote control, land it" if self.was_flying else "look at the vehicle"
+        return f"the companion itself failed ({told(self.error)}): {did}; {do}, and send in the flight folder"
+
+    def receive(self, batch: Sequence[Received], now: float) -> None:
+        """Listen, and act on the rules above."""
+        before = self._conductor.telemetry.status
+        taken = self._try(lambda: self._conductor.take_in(batch, now))
+        if taken is not None and taken[0] is not None:
+            self._state, self._state_at = taken[0], now
+        if self._conductor.telemetry.status is not before:
+            self._heard_at = now
+        self._act(now)
+
+    def on_timer(self, now: float) -> None:
+        """Do what is due."""
+        self._try(lambda: self._conductor.link.on_timer(now))
+        self._try(lambda: self._conductor.parameters.on_timer(now))
+        self._act(now)
+
+    def next_timer(self) -> float:
+        """When ``on_timer`` wants to be called."""
+        return self._now + STEP
+
+    def datagrams(self) -> list[bytes]:
+        """What is to be sent now."""
+        return self._try(self._conductor.datagrams) or []
+
+    def sent(self, latency: float = math.nan) -> None:
+        """It is on its way."""
+        self._try(lambda: self._conductor.sent(latency))
+
+    def stumble(self, now: float) -> None:
+        """Something failed again, outside of these doors: time goes on."""
+        self._now = now
+
+    def _ours(self) -> bool:
+        return (
+            self._authority in (ControlAuthority.COMPANION, ControlAuthority.PILOT)
+            and self._conductor.memory is not None
+            and self._conductor.telemetry.status.mode is Mode.OFFBOARD
+        )
+
+    def _act(self, now: float) -> None:
+        self._now = now
+        since = now - self._begun
+        ours = self._ours()
+        if self._restoring_since is not None:
+            self._try(self._conductor.preparation.restored)
+        elif since > ASKING or (not ours and now - self._heard_at < STATUS_FRESH and since > STATUS_FRESH):
+            self._restoring_since = now
+            self._try(lambda: self._conductor.link.requests.want(None, now))
+            self._try(lambda: self._conductor.preparation.restore(now))
+        elif ours:
+            self.was_flying = True
+            if since <= pilot.LEVEL_FOR:
+                self._level(now)
+            if self._authority is ControlAuthority.COMPANION:
+                fresh = now - self._heard_at <= STATUS_FRESH
+                self.asked = self.asked or fresh
+                hold = COMMANDS[Request.HOLD] if fresh else None
+                self._try(lambda: self._conductor.link.requests.want(hold, now))
+
+    def _level(self, now: float) -> None:
+        plan, memory = self._conductor.plan, self._conductor.memory
+        if plan is None or memory is None:
+            return
+        state = self._state if now - self._state_at <= STATE_FRESH else None
+        setpoint = self._try(lambda: plan.steering.level(state, memory.steering))
+        if setpoint is None:
+            setpoint = self._try(lambda: plan.steering.level(None))
+        if setpoint is not None:
+            level = setpoint
+            self._try(lambda: self._conductor.queue(level, now if state is None else state.t_boot))
+
+    def _try(self, step: Callable[[], T]) -> T | None:
+        try:
+            return step()
+        except Exception:  # the next step is taken all the same
+            return None
+
+
+def told(error: Exception) -> str:
+    """An exception in few words: its kind, its message, the line of ours that raised it."""
+    frames = traceback.extract_tb(error.__traceback__)
+    ours = [frame for frame in frames if "companion" in Path(frame.filename).parts] or list(frames)
+    where = f", {Path(ours[-1].filename).name} line {ours[-1].lineno}" if ours else ""
+    return f"{type(error).__name__}: {error}{where}" if str(error) else f"{type(error).__name__}{where}"
