@@ -6,9 +6,9 @@ import dataclasses
 import json
 from pathlib import Path
 
-from companion.cli.finish import say
 from companion.cli.orders import Sortie, read_sortie
 from companion.cli.output import Output
+from companion.cli.terminal import say
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.feasibility import report as feasibility
 from companion.feasibility.document import as_document

@@ -30,6 +30,10 @@ VehicleName = Annotated[
 OutputName = Annotated[Output, typer.Option("--output", help="The level at which setpoints go out.")]
 Json = Annotated[bool, typer.Option("--json", help="stdout is one JSON document; words go to stderr.")]
 Record = Annotated[Path | None, typer.Option("--record", help="The flight folder. [default: flights/DATE-TIME-NAME]")]
+Report = Annotated[
+    bool,
+    typer.Option("--report/--no-report", envvar="COMPANION_REPORT", help="Write report.html into the flight folder."),
+]
 Settle = Annotated[float, typer.Option("--settle", min=0.0, help="s of following after which the flight is settled.")]
 Duration = Annotated[float | None, typer.Option("--duration", min=0.1, help="s of following.")]
 
@@ -76,13 +80,15 @@ def sim(
     settle: Settle = 10.0,
     udp: Annotated[bool, typer.Option("--udp", help="Two processes over UDP in real time, not lockstep.")] = False,
     record: Record = None,
+    report: Report = True,
     json: Json = False,
 ) -> None:
     """Fly a mission in simulation."""
     from companion.cli.check import looked_at
-    from companion.cli.finish import Ending, say
+    from companion.cli.finish import Ending
     from companion.cli.orders import Faults, check_record, read_sortie, read_world
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
+    from companion.cli.terminal import say
     from companion.feasibility.words import headline
     from companion.record.folder import new_directory
 
@@ -101,7 +107,7 @@ def sim(
         from_ground=from_ground,
         duration=duration,
         directory=record or new_directory(sortie.mission.name),
-        ending=Ending(json, settle),
+        ending=Ending(json, settle, report),
     )
     raise typer.Exit((over_udp if udp else in_lockstep)(simulation))
 
@@ -139,6 +145,7 @@ def fly(
     duration: Duration = None,
     settle: Settle = 10.0,
     record: Record = None,
+    report: Report = True,
     accept_infeasible: Annotated[
         bool, typer.Option("--accept-infeasible", help="Fly even what `check` says this vehicle cannot.")
     ] = False,
@@ -146,10 +153,11 @@ def fly(
 ) -> None:
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
     from companion.cli.check import looked_at
-    from companion.cli.finish import Ending, refuse, say
+    from companion.cli.finish import Ending, refuse
     from companion.cli.flying import Flight, authority_of, most_speed_scale
     from companion.cli.flying import fly as fly_now
     from companion.cli.orders import Faults, check_record, read_sortie
+    from companion.cli.terminal import say
     from companion.daemon.address import parsed
     from companion.feasibility.words import headline
     from companion.flight.conduct import Conduct, Finish, Limits
@@ -175,7 +183,9 @@ def fly(
         speed_scale_max=most_speed_scale(found.speed_scale_max),
     )
     directory = record or new_directory(sortie.mission.name)
-    flight = Flight(sortie, directory, duration, Ending(json, settle), set_parameters, conduct, draw, accept_infeasible)
+    flight = Flight(
+        sortie, directory, duration, Ending(json, settle, report), set_parameters, conduct, draw, accept_infeasible
+    )
     raise typer.Exit(fly_now(flight, open_port()))
 
 
@@ -241,8 +251,8 @@ def law(
     answers(*read, level, sys.stdin, sys.stdout)
 
 
-@app.command()
-def report(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:
+@app.command("report")
+def report_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:
     """Write the figures and tables of a recorded flight again."""
     from companion.record.report import write_report
 

@@ -7,10 +7,10 @@ import io
 from pathlib import Path
 
 from companion.cli.check import looked_at
-from companion.cli.finish import say
 from companion.cli.orders import Faults, read_sortie
 from companion.cli.output import Output
 from companion.cli.simulate import at_home
+from companion.cli.terminal import say
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.world.world import home_from
 from companion.geodesy import LocalFrame

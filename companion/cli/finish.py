@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from companion import pilot
+from companion.cli.page import write_page
 from companion.cli.terminal import say, tell
 from companion.daemon.conductor import Conductor
 from companion.daemon.last_resort import LastResort, told
@@ -67,6 +68,8 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, ended: Ende
     else:
         figures = _figures(conductor, recorder, ending, "completed" if done else "aborted", reason)
         tell(json.dumps(figures, indent=2) if ending.json else _text(figures))
+        if ending.report:
+            write_page(recorder.directory)
     recorder.close()
     while recorder.words:
         say(recorder.words.popleft())
@@ -87,7 +90,7 @@ def _reason(conductor: Conductor, ended: Ended) -> str:
 def _figures(
     conductor: Conductor, recorder: Recorder, ending: Ending, outcome: str, reason: str | None
 ) -> dict[str, Any]:
-    """The summary, written and with the page where one is wanted; what is left of it where its figures fail."""
+    """The summary, written; what is left of it where its figures fail."""
     plan = conductor.plan
     assert plan is not None
     directory = recorder.directory
@@ -112,8 +115,7 @@ def _figures(
         recorder.keep("failure.txt", traceback.format_exc())
         figures["notes"].append(f"the figures could not be computed ({told(error)}); send in the flight folder")
     figures["notes"] += recorder.losses + _of_the_link(conductor)
-    if recorder.keep("summary.json", json.dumps(figures, indent=2) + "\n") and ending.report:
-        _report(recorder)
+    recorder.keep("summary.json", json.dumps(figures, indent=2) + "\n")
     return figures
 
 
@@ -122,15 +124,6 @@ def _truth(file: Path) -> Table | None:
         return read_table(file).rows
     except (OSError, ValueError):
         return None
-
-
-def _report(recorder: Recorder) -> None:
-    from companion.record.report import write_report
-
-    try:
-        say(f"report: {write_report(recorder.directory)}")
-    except Exception as error:  # the flight is over, and it was not this page's
-        say(f"the report could not be made ({told(error)}); companion report {recorder.directory} makes it again")
 
 
 def _of_the_link(conductor: Conductor) -> list[str]:

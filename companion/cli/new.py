@@ -6,8 +6,8 @@ import difflib
 from pathlib import Path
 
 from companion.cli.export import writable, write
-from companion.cli.finish import say
 from companion.cli.orders import Faults
+from companion.cli.terminal import say
 from companion.config.examples import KINDS, example, example_plan
 from companion.config.json_schemas import MODELS, schema_text
 from companion.config.syntax.faults import ConfigError, Fault

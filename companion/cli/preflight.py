@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from companion.cli.finish import COMPLETED, FAILED, NO_VEHICLE, refuse, say
+from companion.cli.finish import COMPLETED, FAILED, NO_VEHICLE, refuse
 from companion.cli.orders import Sortie
+from companion.cli.terminal import say
 from companion.config.plan.qgroundcontrol import plan_from
 from companion.flight.preflight import RATE_WANTED
 from companion.mission import Origin

@@ -104,19 +104,22 @@ def in_words(each: Happening) -> str:
     lasted = "" if each.end <= each.begin else f" for {each.end - each.begin:.1f} s"
     said = f"{each.begin:.1f} s: {each.what}{lasted}"
     if each.kind in OWN:
-        return f"{said}; path error to {_length(each.error_max)}"
+        return f"{said}; path error to {length_in_words(each.error_max)}"
     if each.kind in ("hold", "stood"):
-        near = _length(each.error_at_end)
+        near = length_in_words(each.error_at_end)
         said += f" (a timetable would be {each.ahead:.1f} m ahead; the path's near point is {near} away)"
     if each.back_after is None:
-        return f"{said}; path error to {_length(each.error_max)}, not back on the path at its speed before the end"
+        return (
+            f"{said}; path error to {length_in_words(each.error_max)}, not back on the path at its speed before the end"
+        )
     return (
         f"{said}; back on the path at its speed {each.back_after:.1f} s later, path error to "
-        f"{_length(each.error_max)}, speed to {each.speed_max:.1f} m/s"
+        f"{length_in_words(each.error_max)}, speed to {each.speed_max:.1f} m/s"
     )
 
 
-def _length(metres: float) -> str:
+def length_in_words(metres: float) -> str:
+    """In m from one metre on, else in cm."""
     return f"{metres:.2f} m" if metres >= 1.0 else f"{100.0 * metres:.1f} cm"
 
 

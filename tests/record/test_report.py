@@ -18,7 +18,7 @@ from companion.cli.commands import app
 from companion.config.syntax.faults import ConfigError
 from companion.flight.phases import Phase
 from companion.record import report
-from companion.record.report import figures, motion, write_report
+from companion.record.report import errors, figures, motion, write_report, zoom
 from companion.record.report.evidence import Evidence, gathered
 from companion.record.report.figures import inline
 from companion.record.report.page import page
@@ -128,11 +128,12 @@ def test_the_page_needs_nothing_else(flown: Path) -> None:
     reader = Reader(text)
     assert reader.open == []
     assert "http:" not in text and "https:" not in text and "@import" not in text
-    assert not {"script", "link", "img", "iframe", "object", "embed"} & set(reader.tags)
+    assert not {"link", "img", "iframe", "object", "embed"} & set(reader.tags)
     assert not reader.values("src")
     assert all(value.startswith("#") for value in reader.values("href"))
     assert re.findall(r"url\(([^)]*)\)", text) and all(u.startswith("#") for u in re.findall(r"url\(([^)]*)\)", text))
-    assert len(text) < 1_000_000
+    without_library = re.sub(r'<script type="text/plain" id="plotly-packed">.*?</script>', "", text)
+    assert len(without_library) < 1_000_000 and len(text) < 4_000_000
 
 
 def test_ids_are_the_pages_own(flown: Path) -> None:
@@ -147,9 +148,9 @@ def test_ids_are_the_pages_own(flown: Path) -> None:
 def test_every_figure_is_there_with_its_sentence(flown: Path) -> None:
     text = (flown / "report.html").read_text(encoding="utf-8")
     names = re.findall(r'<figure id="figure-([\w-]+)">', text)
-    assert names == ["above", "space", "errors-time", "errors-path", "motion", "motion-late"]
+    assert names == ["above", "space", "errors-time", "errors-path", "speed-yaw", "motion", "motion-late"]
     captions = re.findall(r"<figcaption><b>Figure (\d+)\.</b> (.*?)</figcaption>", text)
-    assert [int(number) for number, _ in captions] == list(range(1, 7))
+    assert [int(number) for number, _ in captions] == list(range(1, 8))
     assert all(caption.endswith(".") and caption.count(". ") <= 1 for _, caption in captions)
     for label in ("east, m", "north, m", "up, m", "speed, m/s", "path error, cm", "G1 path error, cm",
                   "G2 speed error, m/s", "G3 yaw error, deg", "displacement along the path s, m", "Thrust, N",
@@ -182,7 +183,14 @@ def test_the_key_figures_are_the_summarys(flown: Path) -> None:
 def test_what_a_file_says_is_text(flown: Path) -> None:
     text = (flown / "report.html").read_text(encoding="utf-8")
     assert HOSTILE in Reader(text).text
-    assert "<script" not in text and "<img" not in text
+    ours = (
+        '<script type="application/json" class="chart">',
+        '<script type="text/plain" id="plotly-packed">',
+        "<script>",
+    )
+    found = re.findall(r"<script[^>]*>", text)
+    assert set(found) == set(ours) and found.count("<script>") == 1
+    assert "<img" not in text
 
 
 def test_the_same_flight_gives_the_same_page(flown: Path) -> None:
@@ -229,7 +237,7 @@ def test_a_killed_flight_is_told_from_its_record(copy: Path) -> None:
     reader = read(copy)
     assert "the record ends in the middle of the flight" in reader.text and "(follow)" in reader.text
     assert "The folder holds no summary" in reader.text
-    assert reader.tags.count("figure") == 5
+    assert reader.tags.count("figure") == 6
 
 
 def test_a_flight_whose_summary_was_cut_short_keeps_its_outcome(copy: Path) -> None:
@@ -333,3 +341,70 @@ def test_thinning_loses_no_spike() -> None:
     hover = np.concatenate([np.zeros((5000, 3)), np.linspace([0.0, 0.0, 0.0], [10.0, 0.0, 0.0], 5000)])
     track = along(hover, 100)
     assert np.max(np.linalg.norm(np.diff(hover[track], axis=0), axis=1)) < 0.2
+
+
+def test_what_is_believed_and_what_is_true_stand_side_by_side(flown: Path) -> None:
+    text = (flown / "report.html").read_text(encoding="utf-8")
+    truth = json.loads((flown / "summary.json").read_text(encoding="utf-8"))["truth"]["settled"]
+    tiles = re.search(r'<dl class="tiles">.*?</dl>', text, re.DOTALL)
+    assert tiles is not None
+    for key in ("path_error_m", "speed_error_mps", "yaw_error_deg"):
+        assert f'<b><data value="{truth[key]["rms"]!r}">' in tiles[0]
+    assert "rms, estimated" in tiles[0] and "rms, true" in tiles[0]
+
+
+def test_the_world_and_the_version_stand_in_the_page(flown: Path) -> None:
+    facts = re.search(r'<p class="facts">.*?</p>', (flown / "report.html").read_text(encoding="utf-8"))
+    assert facts is not None
+    assert all(word in facts[0] for word in ("world ideal", "still air", "seed 0", "companion 0."))
+
+
+def held(evidence: Evidence) -> Evidence:
+    """The same flight, told that somebody held it from 3 to 4 s."""
+    told = {"kind": "hold", "what": "held still", "from_s": 3.0, "to_s": 4.0, "after": "start"}
+    return dataclasses.replace(evidence, resolved={**evidence.resolved, "simulation": {"events": [told]}})
+
+
+def test_what_happened_is_told_shaded_and_marked(flown: Path) -> None:
+    evidence = held(gathered(flown))
+    first = float(evidence.told["t_boot"][0])
+    (hold,) = [each for each in evidence.happenings if each.kind == "hold"]
+    assert (hold.begin, hold.end) == pytest.approx((3.0 - first, 4.0 - first), abs=0.01)
+    assert hold.ahead == pytest.approx(2.0, abs=0.1)
+    text = page(evidence, figures.figures(evidence))
+    assert "held still for 1.0 s" in text and "a timetable: 2.0 m ahead" in text and "held 1.0 s" in text
+    charts = [json.loads(each) for each in re.findall(r'class="chart">(.*?)</script>', text)]
+    spans = [shape for shape in charts[1]["layout"]["shapes"] if shape["type"] == "rect"]
+    assert len(spans) == 3 and all(span["x0"] == pytest.approx(hold.begin) for span in spans)
+
+
+def test_what_is_zoomed_into_is_what_is_drawn(flown: Path) -> None:
+    evidence = gathered(flown)
+    with drawing():
+        figure = errors.over_time(evidence)
+        inline(figure, "errors-time", "errors")
+        chart = json.loads(zoom.chart(figure))
+    estimated = [trace for trace in chart["data"] if trace["name"] == "as estimated"]
+    assert [trace["yaxis"] for trace in estimated] == ["y", "y2", "y3"]
+    assert sum(trace["showlegend"] for trace in estimated) == 1
+    error = 100.0 * evidence.told["path_error"]
+    assert max(estimated[0]["y"]) == pytest.approx(np.max(error), rel=1e-4)
+    assert chart["layout"]["xaxis3"]["title"]["text"] == "time since following began, s"
+
+
+def test_a_flight_writes_its_page_and_never_fails_for_want_of_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ["sim", "circle_r5", "--duration", "1", "--settle", "0.5", "--report", "--record"]
+    assert CliRunner().invoke(app, [*words, str(tmp_path / "with")]).exit_code == 0
+    assert (tmp_path / "with" / "report.html").is_file()
+
+    def missing(directory: Path) -> Path:
+        raise CompanionError("the report draws with matplotlib: pip install 'companion[report]'")
+
+    monkeypatch.setattr(report, "write_report", missing)
+    without = CliRunner().invoke(app, [*words, str(tmp_path / "without")])
+    assert without.exit_code == 0 and without.stderr.count("pip install 'companion[report]'") == 1
+    monkeypatch.setattr(report, "write_report", lambda directory: 1 / 0)
+    broken = CliRunner().invoke(app, [*words, str(tmp_path / "broken")])
+    assert broken.exit_code == 0 and "ZeroDivisionError" in broken.stderr

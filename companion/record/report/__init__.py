@@ -3,6 +3,7 @@
     evidence    everything the page is made from, whatever is missing from the folder
     tracks      the path and the track as rows of east, north, up; fewer points, coloured by a quantity
     palette     the colours
+    marks       what happened, drawn into the figures
     style       type, lines, axes: one hand for every figure
     maps        figures 1 and 2: from above, and in space
     errors      figures 3 and 4: G1, G2, G3 over time and along the path
@@ -10,8 +11,9 @@
     estimates   what was estimated of the vehicle
     timing      the loop
     figures     the figures in their order, with their captions, as pieces of the page
+    zoom        the same figures for plotly.js, to zoom into
     text        the sentences, the phases, and the table of the numbers that matter
-    page        all of it as one HTML file; page.css is its dress
+    page        all of it as one HTML file; page.css is its dress, page.js the zooming
 
 Only ``figures`` and what it draws with need matplotlib, and only here is it imported.
 """
@@ -31,13 +33,13 @@ def write_report(directory: Path) -> Path:
     CompanionError: matplotlib is not installed, or the folder is not a readable flight folder (ConfigError).
     """
     try:
-        from companion.record.report import figures
+        from companion.record.report import figures, zoom
     except ImportError as error:
         if (error.name or "").split(".")[0] not in ("matplotlib", "mpl_toolkits"):
             raise
         raise CompanionError("the report draws with matplotlib: pip install 'companion[report]'") from None
     evidence = gathered(directory)
-    text = page(evidence, figures.figures(evidence))
+    text = page(evidence, figures.figures(evidence), zoom.library())
     target = directory / "report.html"
     target.write_text(text, encoding="utf-8")
     return target

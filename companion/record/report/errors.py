@@ -10,11 +10,24 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from companion.record.report.evidence import Array, Evidence, Series
-from companion.record.report.palette import BLUE, FAINT, TRUE
-from companion.record.report.style import along_x, decades, from_zero, legend, named, ramp_of_colours, spanned, stacked
+from companion.record.report.marks import shade
+from companion.record.report.palette import BLUE, FAINT, INK, TRUE
+from companion.record.report.style import (
+    along_x,
+    decades,
+    figure_legend,
+    from_zero,
+    legend,
+    named,
+    ramp_of_colours,
+    spanned,
+    stacked,
+)  # fmt: skip
 from companion.record.report.text import worded
 from companion.record.report.tracks import kept
 
+TIME = "time since following began, s"
+DASHES = (0, (3, 1.5))
 DECADES_APART = 100.0
 """From this ratio of the largest error to the settled one a logarithmic axis reads best."""
 
@@ -42,16 +55,17 @@ GOALS = (
 
 def over_time(evidence: Evidence) -> Figure:
     """How fast the errors go away, and what stays."""
-    figure, panels = stacked([1.0, 1.0, 1.0], 5.6)
+    figure, panels = stacked([1.0, 1.0, 1.0], 5.9)
     told, true, settled = evidence.told, evidence.true, evidence.settled_from
+    shade(panels, evidence, 0.0, float(told["t"][-1]))
     for panel, goal in zip(panels, GOALS, strict=True):
         seen = goal.factor * told[goal.column]
         late = seen if settled is None else seen[told["since"] >= settled]
         rest = float(np.sqrt(np.mean(late**2)))
         logarithmic = bool(np.max(np.abs(seen)) > DECADES_APART * max(rest, goal.floor))
         if true is not None:
-            _line(panel, true["t"], goal.factor * true[goal.column], logarithmic, TRUE, 3.4)
-        _line(panel, told["t"], seen, logarithmic, BLUE, 1.1)
+            _line(panel, true["t"], goal.factor * true[goal.column], logarithmic, TRUE, 3.4, "true")
+        _line(panel, told["t"], seen, logarithmic, BLUE, 1.1, "as estimated" if true is not None else None)
         if logarithmic:
             decades(panel, max(goal.floor, 0.3 * rest), float(np.max(np.abs(seen))))
         else:
@@ -67,14 +81,42 @@ def over_time(evidence: Evidence) -> Figure:
         panels[0].annotate(
             f"settled from {settled:g} s",
             (settled, 1.0),
-            xytext=(4, -3),
+            xytext=(4, -14),
             xycoords=("data", "axes fraction"),
             textcoords="offset points",
             va="top",
             fontsize=8,
             color=FAINT,
         )
-    along_x(panels[-1], "time since following began, s", 0.0, max(float(told["t"][-1]), 1e-3))
+    along_x(panels[-1], TIME, 0.0, max(float(told["t"][-1]), 1e-3))
+    figure_legend(figure, panels[0])
+    return figure
+
+
+def themselves(evidence: Evidence) -> Figure:
+    """Speed and heading themselves, beside what the mission asks for at the same place."""
+    figure, (speed, yaw) = stacked([1.0, 1.0], 4.2)
+    told, true = evidence.told, evidence.true
+    shade([speed, yaw], evidence, 0.0, float(told["t"][-1]))
+    heading = np.degrees(np.unwrap(told["yaw"]))
+    # what is asked for runs beside what is flown, not a turn away from it
+    asked = heading - np.degrees(told["yaw_error"])
+    if true is not None:
+        _line(speed, true["t"], true["speed"], False, TRUE, 3.4, "true")
+        flown = np.interp(true["t"], told["t"], asked) + np.degrees(true["yaw_error"])
+        _line(yaw, true["t"], flown, False, TRUE, 3.4, None)
+    _line(speed, told["t"], told["speed"], False, BLUE, 1.1, "flown" if true is None else "as estimated")
+    _line(speed, told["t"], told["alpha"], False, INK, 0.9, "the mission asks for", DASHES)
+    _line(yaw, told["t"], heading, False, BLUE, 1.1, None)
+    _line(yaw, told["t"], asked, False, INK, 0.9, None, DASHES)
+    for panel, name, curves, least in (
+        (speed, "Speed along the path, m/s", (told["speed"], told["alpha"]), 0.1),
+        (yaw, "Heading, deg clockwise from north", (heading, asked), 2.0),
+    ):
+        named(panel, name)
+        spanned(panel, min(map(np.min, curves)), max(map(np.max, curves)), least)
+    along_x(yaw, TIME, 0.0, max(float(told["t"][-1]), 1e-3))
+    figure_legend(figure, speed)
     return figure
 
 
@@ -85,11 +127,14 @@ def _linear(panel: Axes, goal: Goal, values: Array) -> None:
         spanned(panel, float(np.min(values)), float(np.max(values)), goal.span)
 
 
-def _line(panel: Axes, x: Array, y: Array, logarithmic: bool, colour: str, width: float) -> None:
+def _line(
+    panel: Axes, x: Array, y: Array, logarithmic: bool, colour: str, width: float, label: str | None,
+    style: str | tuple[int, tuple[float, float]] = "-",
+) -> None:  # fmt: skip
     # a logarithmic axis has no zero: what is exactly zero lies below every frame
     y = np.maximum(np.abs(y), 1e-12) if logarithmic else y
     chosen = kept(np.log(y) if logarithmic else y)
-    panel.plot(x[chosen], y[chosen], color=colour, linewidth=width)
+    panel.plot(x[chosen], y[chosen], color=colour, linewidth=width, label=label, linestyle=style)
 
 
 def over_path(evidence: Evidence) -> tuple[Figure, bool]:

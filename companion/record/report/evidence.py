@@ -16,6 +16,7 @@ from companion import pilot
 from companion.flight.phases import Phase
 from companion.plan import Plan
 from companion.record import rows
+from companion.record.events import Happening, happenings
 from companion.record.replay import Recorded, load_flight
 from companion.record.summary import _told as told_series
 from companion.record.summary import _true as true_series
@@ -61,6 +62,11 @@ class Evidence:
             return None
         series = true_series(self.plan, self.told, self.truth)
         return series if len(series["t"]) else None
+
+    @cached_property
+    def happenings(self) -> list[Happening]:
+        """What happened while following, in the order of time."""
+        return happenings(self.told, self.table, self.resolved.get("simulation"))
 
     @property
     def followed(self) -> bool:
@@ -113,7 +119,11 @@ def gathered(directory: Path) -> Evidence:
         figures=figures,
         resolved=resolved,
         remade=remade,
-        sources={name: (directory / name).read_text(encoding="utf-8") for name in ("mission.yaml", "vehicle.yaml")},
+        sources={
+            name: (directory / name).read_text(encoding="utf-8")
+            for name in ("mission.yaml", "vehicle.yaml", "world.yaml")
+            if (directory / name).is_file()
+        },
         cuts=flight.cuts,
     )
 

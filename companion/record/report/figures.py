@@ -9,11 +9,11 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
-from companion.record.report import errors, estimates, maps, motion, timing
+from companion.record.report import errors, estimates, maps, marks, motion, timing, zoom
 from companion.record.report.evidence import Evidence
 from companion.record.report.page import Picture, Section
 from companion.record.report.style import drawing
-from companion.record.report.text import escaped, worded
+from companion.record.report.text import escaped, happened, worded
 from companion.vehicle import OutputLevel
 
 NOT_FOLLOWED = Section(
@@ -30,8 +30,14 @@ def figures(evidence: Evidence) -> list[Section]:
         return [_track(evidence), _errors(evidence), _motion(evidence), *found, _timing(evidence)]
 
 
+STILL_ONLY = ("space", "gaps", "latency")
+"""Pictures without a chart to zoom into: the one in space, and the histograms."""
+
+
 def _picture(name: str, draw: Callable[[], Figure], caption: str) -> Picture:
-    return Picture(name, inline(draw(), name, caption), caption)
+    figure = draw()
+    svg = inline(figure, name, caption)
+    return Picture(name, svg, caption, None if name in STILL_ONLY else zoom.chart(figure))
 
 
 def _track(evidence: Evidence) -> Section:
@@ -39,14 +45,17 @@ def _track(evidence: Evidence) -> Section:
     if not evidence.followed and not (evidence.table["fresh"] == 1).any():
         return Section(title, ["The companion saw no state of the vehicle, so there is no track to draw."], [])
     if evidence.followed:
-        above_caption = "From above: the track, coloured by its speed, on the path it was to follow (broad, pale)."
+        ghost = marks.timetable(evidence) is not None
+        above_caption = "From above: the path (dashed) and the track that was flown, coloured by its speed." + (
+            " Dotted: where a reference on a timetable would have run while the vehicle was held." if ghost else ""
+        )
         space_caption = "In space: the same track, coloured by its distance to the path, whose shadow is on the floor."
     else:
         above_caption = "From above: the path it was to follow, and where the vehicle was (a square at the end)."
         space_caption = "In space: the path it was to follow, its shadow on the floor, and where the vehicle was."
     return Section(
         title,
-        [],
+        happened(evidence),
         [
             _picture("above", lambda: maps.from_above(evidence), above_caption),
             _picture("space", lambda: maps.in_space(evidence), space_caption),
@@ -57,7 +66,9 @@ def _track(evidence: Evidence) -> Section:
 def _errors(evidence: Evidence) -> Section:
     title = "The three goals"
     true = "; the broad pale line is the plant’s true state" if evidence.true else ""
-    time = f"Over time: how fast the errors of path, speed and yaw go away, and what stays of them{true}."
+    shades = marks.legend_words(evidence)
+    time = f"Over time: how fast the errors of path, speed and yaw go away, and what stays of them{true}.{shades}"
+    flown = "Speed and heading themselves; dashed, what the mission asks for at the place where the vehicle is."
     along, leaves = errors.over_path(evidence)
     approach = ", while the approach to it leaves the frame" if leaves else ""
     place = f"Along the path: where the errors arise, lap over lap, on the scale of the settled flight{approach}."
@@ -73,6 +84,7 @@ def _errors(evidence: Evidence) -> Section:
         [
             _picture("errors-time", lambda: errors.over_time(evidence), time),
             _picture("errors-path", lambda: along, place),
+            _picture("speed-yaw", lambda: errors.themselves(evidence), flown),
         ],
     )
 

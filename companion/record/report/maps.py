@@ -16,23 +16,27 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from companion.record.report import tracks
 from companion.record.report.evidence import Array, Evidence
-from companion.record.report.palette import FAINT, INK, ROAD, RULE, TRUE
-from companion.record.report.style import WIDTH, plain, ramp_of_colours
+from companion.record.report.marks import Place, places, timetable
+from companion.record.report.palette import FAINT, INK, ROAD, RULE, VERMILION
+from companion.record.report.style import WIDTH, legend, plain, ramp_of_colours
 from companion.record.report.tracks import along, colour_bar, runs
+
+PATH_DASHES = (0, (5, 3))
 
 
 def from_above(evidence: Evidence) -> Figure:
-    """North up, east right, one metre as long in both; coloured by speed."""
-    figure = Figure(figsize=(WIDTH, WIDTH * 1.04), layout="constrained")
+    """North up, east right, one metre as long in both; the track coloured by speed, the path dashed over it."""
+    figure = Figure(figsize=(WIDTH, WIDTH * 1.1), layout="constrained")
     axes = figure.add_subplot()
     flown, before_and_after = tracks.tracks(evidence)
     road = tracks.road(evidence)
-    axes.plot(road[:, 0], road[:, 1], color=ROAD, linewidth=6, zorder=1)
+    axes.plot(road[:, 0], road[:, 1], color=ROAD, linewidth=7, zorder=1)
+    axes.plot(road[:, 0], road[:, 1], color=INK, linewidth=0.9, linestyle=PATH_DASHES, zorder=4, label="path")
     if before_and_after is not None:
-        axes.plot(before_and_after[:, 0], before_and_after[:, 1], color=FAINT, linewidth=0.8, zorder=2)
+        axes.plot(*before_and_after[:, :2].T, color=FAINT, linewidth=0.8, zorder=2, label="before and after")
     true = tracks.true_track(evidence, flown)
     if true is not None:
-        axes.plot(true[:, 0], true[:, 1], color=TRUE, linewidth=3, zorder=2)
+        axes.plot(true[:, 0], true[:, 1], color=VERMILION, linewidth=1.0, zorder=3.5, label="track, true")
     if flown is not None:
         axes.update_datalim(flown[:, :2])
     axes.set_aspect("equal", adjustable="datalim")
@@ -41,33 +45,49 @@ def from_above(evidence: Evidence) -> Figure:
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
-    axes.margins(0.09)
+    axes.margins(0.12)
     if flown is not None:
-        told = evidence.told
-        speed = np.sqrt(told["v_north"] ** 2 + told["v_east"] ** 2 + told["v_down"] ** 2)
-        chosen = along(flown)
-        norm = Normalize(0.0, max(float(np.max(speed)), 0.1))
-        colours = ramp_of_colours("viridis", 0.0, 0.9)
-        pieces, levels = runs(flown[chosen, :2], speed[chosen], norm)
-        axes.add_collection(LineCollection(pieces, colors=colours(levels), linewidths=1.8, zorder=3), autolim=False)
-        colour_bar(figure, norm, colours, "speed, m/s", beside=axes)
-        marks = [(flown[0], "start", "o"), (flown[-1], "end", "s")]
-        apart = float(np.linalg.norm((flown[-1] - flown[0])[:2]))
-        drawn = np.concatenate([part for part in (road, flown[chosen], before_and_after) if part is not None])
-        _marked(axes, drawn, marks if apart > 0.04 * float(np.max(np.ptp(road, axis=0))) else marks[:1])
+        _flown(figure, axes, evidence, flown, np.concatenate([road, flown]))
     elif before_and_after is not None:
-        _marked(axes, road, [(before_and_after[-1], "vehicle", "s")])
+        _marked(axes, road, [Place(before_and_after[-1], "vehicle", "s", INK)])
     _direction(axes, evidence)
+    legend(axes, columns=2)
     return figure
 
 
-def _marked(axes: Axes, drawn: Array, marks: list[tuple[Array, str, str]]) -> None:
+def _flown(figure: Figure, axes: Axes, evidence: Evidence, flown: Array, drawn: Array) -> None:
+    """The track coloured by speed, with where it began, what happened on it and where it ended."""
+    told = evidence.told
+    speed = np.sqrt(told["v_north"] ** 2 + told["v_east"] ** 2 + told["v_down"] ** 2)
+    chosen = along(flown)
+    norm = Normalize(0.0, max(float(np.max(speed)), 0.1))
+    colours = ramp_of_colours("viridis", 0.0, 0.9)
+    pieces, levels = runs(flown[chosen, :2], speed[chosen], norm)
+    believed = "track" if evidence.true is None else "track, as estimated"
+    axes.add_collection(LineCollection(pieces, colors=colours(levels), linewidths=2.6, zorder=3), autolim=False)
+    axes.plot([], [], color=colours(0.75), linewidth=2.6, label=believed)
+    colour_bar(figure, norm, colours, "speed, m/s", beside=axes)
+    begun = next((each for each in evidence.happenings if each.kind == "start"), None)
+    word = "start" if begun is None else f"start, {begun.error_max:.1f} m off"
+    marks = [Place(flown[0], word, "o", INK), *places(evidence, flown)]
+    if float(np.linalg.norm((flown[-1] - flown[0])[:2])) > 0.04 * float(np.max(np.ptp(drawn, axis=0))):
+        marks.append(Place(flown[-1], "end", "s", INK))
+    ghost = timetable(evidence)
+    if ghost is not None:
+        way, place = ghost
+        axes.plot(way[:, 0], way[:, 1], color=VERMILION, linewidth=1.6, linestyle=(0, (1, 1.4)), zorder=5)
+        marks.append(place)
+    _marked(axes, drawn, marks)
+
+
+def _marked(axes: Axes, drawn: Array, marks: list[Place]) -> None:
     """Mark places of the flight, each word where most room is left by the curves through ``drawn``."""
-    drawn = drawn[np.isfinite(drawn[:, 0]), :2]
+    drawn = drawn[np.isfinite(drawn[:, 0]), :2][:: max(1, len(drawn) // 2000)]
     reach = 0.06 * float(np.max(np.ptp(drawn, axis=0)))
-    for point, word, shape in marks:
-        axes.plot(point[0], point[1], shape, markersize=5.5, markerfacecolor="white", markeredgecolor=INK, zorder=6)
-        x, y = max(_SIDES, key=lambda side: _room(drawn, point[:2], side, reach))
+    for point, word, shape, colour in marks:
+        axes.plot(point[0], point[1], shape, markersize=5.5, markerfacecolor="white", markeredgecolor=colour, zorder=6)
+        wide = max(1.6, 0.3 * len(word))
+        x, y = max(_SIDES, key=lambda side: _room(drawn, point[:2], side, reach, wide))
         axes.annotate(
             word,
             (float(point[0]), float(point[1])),
@@ -75,6 +95,7 @@ def _marked(axes: Axes, drawn: Array, marks: list[tuple[Array, str, str]]) -> No
             textcoords="offset points",
             ha="center" if x == 0.0 else "left" if x > 0.0 else "right",
             va="center" if y == 0.0 else "bottom" if y > 0.0 else "top",
+            color=colour,
             zorder=6,
         )
 
@@ -82,10 +103,15 @@ def _marked(axes: Axes, drawn: Array, marks: list[tuple[Array, str, str]]) -> No
 _SIDES = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.7, 0.7), (0.7, -0.7), (-0.7, -0.7), (-0.7, 0.7))
 
 
-def _room(drawn: Array, point: Array, side: tuple[float, float], reach: float) -> float:
-    """m from where the middle of a word would be to the nearest curve; words are wider than high."""
-    middle = point + reach * np.array([1.6 * side[0], side[1]])
-    return float(np.min(np.linalg.norm(drawn - middle, axis=1)))
+def _room(drawn: Array, point: Array, side: tuple[float, float], reach: float, wide: float) -> float:
+    """m from a word beside a point to the nearest curve; words are ``wide`` reaches from their middle to an end."""
+    near = point + reach * np.array([0.8 * side[0], side[1]])
+    run = np.linspace(0.0, 2.0 * wide, 7) if side[0] > 0.0 else np.linspace(0.0, -2.0 * wide, 7)
+    along_word = run if side[0] != 0.0 else np.linspace(-wide, wide, 7)
+    letters = near + reach * 0.5 * np.stack([along_word, np.zeros(7)], axis=1)
+    room = float(np.min(np.linalg.norm(drawn[:, None, :] - letters[None, :, :], axis=2)))
+    outside = np.any((letters < np.min(drawn, axis=0) - reach) | (letters > np.max(drawn, axis=0) + reach))
+    return room - (reach if outside else 0.0)
 
 
 def _direction(axes: Axes, evidence: Evidence) -> None:
@@ -120,6 +146,7 @@ def in_space(evidence: Evidence) -> Figure:
     floor = low[2]
     axes.plot(road[:, 0], road[:, 1], np.full(len(road), floor), color=RULE, linewidth=1.5, zorder=1)
     axes.plot(*road.T, color=ROAD, linewidth=5, zorder=2)
+    axes.plot(*road.T, color=INK, linewidth=0.8, linestyle=PATH_DASHES, zorder=5)
     if before_and_after is not None:
         axes.plot(*before_and_after.T, color=FAINT, linewidth=0.8, zorder=3)
     if flown is not None:

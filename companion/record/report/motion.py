@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from companion.record.report.evidence import Array, Evidence, Series
+from companion.record.report.marks import shade
 from companion.record.report.palette import BLUE, FAINT, INK, LINES, TRUE, VERMILION
 from companion.record.report.style import along_x, legend, named, spanned, stacked
 from companion.record.report.tracks import kept
@@ -47,6 +48,7 @@ def motion(evidence: Evidence, window: Window) -> Figure:
     motors = evidence.plan.level is OutputLevel.MOTORS
     heights = [1.1, 0.8, 1.2] if motors else [1.0, 0.8, 0.62, 0.62, 0.62]
     figure, panels = stacked(heights, 5.6 if motors else 6.6)
+    shade(panels, evidence, window.begin, window.end)
     told = _within(evidence.told, window)
     true = None if evidence.true is None else _within(evidence.true, window)
     _attitude(panels[0], evidence, told)

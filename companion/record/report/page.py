@@ -7,7 +7,7 @@ from string import Template
 from typing import NamedTuple
 
 from companion.record.report.evidence import Evidence
-from companion.record.report.text import escaped, facts, notes, outcome, shown, table, timeline
+from companion.record.report.text import NBSP, escaped, facts, notes, outcome, shown, table, timeline
 
 _PAGE = Template("""<!doctype html>
 <html lang="en">
@@ -27,11 +27,11 @@ $style</style>
 <p class="facts">$facts</p>
 <p class="outcome $mood">$outcome</p>
 $notes</header>
-$tiles<section>
+$tiles$first<section>
 <h2>Phases</h2>
 $timeline
 </section>
-$table$sections<section>
+$sections$table<section>
 <h2>How it was flown</h2>
 $provenance
 </section>
@@ -39,7 +39,7 @@ $provenance
 <footer><p>Made from the flight folder <code>$folder</code>. <code>companion report DIR</code> makes this page again,
 <code>companion replay DIR</code> feeds the recorded inputs through the pilot and compares every setpoint bit for bit.
 </p></footer>
-</body>
+$scripts</body>
 </html>
 """)
 
@@ -50,8 +50,8 @@ _TILES = (
 )
 
 
-def page(evidence: Evidence, sections: list[Section]) -> str:
-    """The whole page."""
+def page(evidence: Evidence, sections: list[Section], library: str | None = None) -> str:
+    """The whole page. ``library``: plotly.js, gzipped and in base64, to zoom with; None: the figures are still."""
     completed, sentence = outcome(evidence)
     return _PAGE.substitute(
         mission=escaped(evidence.figures["mission"]),
@@ -63,10 +63,17 @@ def page(evidence: Evidence, sections: list[Section]) -> str:
         tiles=_tiles(evidence),
         timeline=timeline(evidence),
         table=_table(evidence),
-        sections=_sections(sections),
+        first=_sections(sections[:1], 0),
+        sections=_sections(sections[1:], sum(len(section.pictures) for section in sections[:1])),
         provenance=_provenance(evidence),
+        scripts="" if library is None else _scripts(library),
         folder=escaped(evidence.directory.resolve().name),
     )
+
+
+def _scripts(library: str) -> str:
+    script = files(__package__).joinpath("page.js").read_text(encoding="utf-8")
+    return f'<script type="text/plain" id="plotly-packed">{library}</script>\n<script>\n{script}</script>\n'
 
 
 def _notes(evidence: Evidence) -> str:
@@ -79,13 +86,18 @@ def _tiles(evidence: Evidence) -> str:
     if not evidence.followed:
         return ""
     part = "follow" if evidence.settled_from is None else "settled"
-    when = "while following" if evidence.settled_from is None else f"settled, from {evidence.settled_from:g} s"
+    when = "while following" if evidence.settled_from is None else f"settled, from {evidence.settled_from:g}{NBSP}s"
+    known = "truth" in evidence.figures
+    whose = ", estimated" if known else ""
     tiles = []
     for name, unit, key, factor in _TILES:
         rms, most = (shown(evidence.number(part, key, kind), factor) for kind in ("rms", "max"))
+        true, true_most = (shown(evidence.number("truth", part, key, kind), factor) for kind in ("rms", "max"))
+        truth = f'<dd class="true"><b>{true}</b> <span class="unit">{unit} rms, true</span></dd>' if known else ""
+        largest = f"largest {most} {unit}" + (f", true {true_most} {unit}" if known else "")
         tiles.append(
-            f'<div><dt>{name}</dt><dd><b>{rms}</b> <span class="unit">{unit} rms</span></dd>'
-            f"<dd>largest {most} {unit}; {when}</dd></div>"
+            f'<div><dt>{name}</dt><dd><b>{rms}</b> <span class="unit">{unit} rms{whose}</span></dd>'
+            f"{truth}<dd>{largest}; {when}</dd></div>"
         )
     return f'<dl class="tiles">{"".join(tiles)}</dl>\n'
 
@@ -96,20 +108,29 @@ def _table(evidence: Evidence) -> str:
     return f'<section>\n<h2>Figures of the flight</h2>\n<div class="scroll">{table(evidence)}</div>\n</section>\n'
 
 
-def _sections(sections: list[Section]) -> str:
-    number, parts = 0, []
+def _sections(sections: list[Section], number: int) -> str:
+    """Sections, their figures counted on from ``number``."""
+    parts = []
     for section in sections:
         pictures = []
         for picture in section.pictures:
             number += 1
             pictures.append(
-                f'<figure id="figure-{picture.name}">\n{picture.svg}\n'
+                f'<figure id="figure-{picture.name}">\n{picture.svg}\n{_chart(picture)}'
                 f"<figcaption><b>Figure {number}.</b> {escaped(picture.caption)}</figcaption>\n</figure>\n"
             )
         words = "".join(f"<p>{escaped(text)}</p>\n" for text in section.words)
         shown_pictures = f'<div class="figures">\n{"".join(pictures)}</div>\n' if pictures else ""
         parts.append(f"<section>\n<h2>{escaped(section.title)}</h2>\n{words}{shown_pictures}</section>\n")
     return "".join(parts)
+
+
+def _chart(picture: Picture) -> str:
+    if picture.chart is None:
+        return ""
+    # "</script>" in a name must not end the element
+    text = picture.chart.replace("<", "\\u003c")
+    return f'<script type="application/json" class="chart">{text}</script>\n'
 
 
 def _provenance(evidence: Evidence) -> str:
@@ -119,6 +140,7 @@ def _provenance(evidence: Evidence) -> str:
     rows = [
         ("Mission file", _file(resolved, "mission")),
         ("Vehicle file", _file(resolved, "vehicle")),
+        *([("World file", _file(resolved, "simulation"))] if resolved.get("simulation") else []),
         ("Path length", length),
         ("Origin of the mission", f"{north:g} m north, {east:g} m east, {down:g} m down in the vehicle's local frame"),
         ("Ticks recorded", f"{len(evidence.table)}"),
@@ -139,11 +161,12 @@ def _file(resolved: dict[str, object], what: str) -> str:
 
 
 class Picture(NamedTuple):
-    """A figure: its id in the page, its SVG, the sentence under it."""
+    """A figure: its id in the page, its SVG, the sentence under it; the same for plotly.js, where it can be zoomed."""
 
     name: str
     svg: str
     caption: str
+    chart: str | None = None
 
 
 class Section(NamedTuple):

@@ -5,13 +5,16 @@ from __future__ import annotations
 INK = "#1c2733"
 FAINT = "#5d6b78"
 RULE = "#dde3e8"
-TRUE = "#bccad6"
+TRUE = "#a9bccb"
 """The true state of a simulated vehicle: wide and pale, under what the companion saw."""
 ROAD = "#d5dde4"
 """The path: broad and pale, under the track."""
 
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = "#0072b2", "#d55e00", "#009e73", "#b0578d", "#e69f00", "#56b4e9"
 LINES = (BLUE, VERMILION, GREEN, PURPLE)
+
+DONE_TO, AT_LIMIT, SLOWED = "#fdeecb", "#f7d5c8", "#e6eaee"
+"""Shades of the time plots: what was done to the vehicle, time at a limit, time slowed down."""
 
 PHASES = {
     "preflight": "#cfd7de",

@@ -112,6 +112,13 @@ def legend(panel: Axes, columns: int = 4) -> None:
         )
 
 
+def figure_legend(figure: Figure, panel: Axes) -> None:
+    """What the lines of every panel are, in a row over the figure, where a panel's own line is taken by its figures."""
+    handles, labels = panel.get_legend_handles_labels()
+    if labels:
+        figure.legend(handles, labels, loc="outside upper right", ncols=4, handlelength=1.4, handletextpad=0.4)
+
+
 def plain(value: float) -> str:
     """A tick's number without exponent."""
     text = f"{value:.6f}".rstrip("0").rstrip(".")

@@ -6,11 +6,21 @@ import html
 from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from companion.record.events import OWN, in_words, length_in_words
 from companion.record.report.evidence import SETTLE, Evidence
 from companion.record.report.palette import PHASES
 from companion.vehicle import OutputLevel
 
 NBSP = "\N{NO-BREAK SPACE}"
+NED = ("north", "east", "down")
+HAPPENED_MAX = 8
+"""Events that are told in sentences (engineering choice)."""
+LARGE = 0.02
+"""m of path error whose cause is worth a sentence (engineering choice)."""
+RECOVERY = 5.0
+"""s after an event in which an error is taken for its, where the vehicle was not back before (engineering choice)."""
 LEVELS = {
     OutputLevel.MOTORS: "motor commands",
     OutputLevel.RATES: "body rates and thrust",
@@ -24,8 +34,52 @@ def facts(evidence: Evidence) -> list[str]:
         str(evidence.figures["vehicle"]),
         LEVELS[evidence.plan.level],
         _kind(evidence),
+        *_world(evidence),
+        f"companion {evidence.resolved.get('version', 'of an unknown version')}",
         *([] if evidence.lockstep else [_date(evidence)]),
     ]
+
+
+def _world(evidence: Evidence) -> list[str]:
+    """The simulated world: its name, its air, the seed."""
+    simulation = evidence.resolved.get("simulation")
+    if not isinstance(simulation, dict):
+        return []
+    return [f"world {simulation.get('world')}", str(simulation.get("air")), f"seed {simulation.get('seed')}"]
+
+
+def happened(evidence: Evidence) -> list[str]:
+    """What happened, a sentence each, and where the largest path error comes from."""
+    done = [each for each in evidence.happenings if each.kind not in OWN]
+    lines = [f"At {in_words(each)}." for each in done[:HAPPENED_MAX]]
+    if len(done) > HAPPENED_MAX:
+        lines.append(f"{len(done) - HAPPENED_MAX} more events are in summary.json.")
+    return [*lines, *_largest(evidence)]
+
+
+def _largest(evidence: Evidence) -> list[str]:
+    """Where the largest path error comes from, as far as the record knows."""
+    if not evidence.followed:
+        return []
+    told = evidence.told
+    index = int(np.argmax(told["path_error"]))
+    at, size = float(told["t"][index]), float(told["path_error"][index])
+    if size < LARGE:
+        return []
+    during = [
+        each for each in evidence.happenings if each.begin <= at <= each.end + (each.back_after or RECOVERY) + 1e-9
+    ]
+    if during:
+        cause = during[0].what
+    else:
+        push = [told.get(f"push_{axis}", np.full(1, np.nan))[index % max(1, len(told["t"]))] for axis in NED]
+        strength = float(np.linalg.norm(push))
+        cause = (
+            f"no event; steering then reckoned with a disturbance of {strength:.1f} m/s²"
+            if np.isfinite(strength)
+            else "no event of the record explains it"
+        )
+    return [f"The largest path error, {length_in_words(size)}, came at {at:.1f}{NBSP}s: {cause}."]
 
 
 def _kind(evidence: Evidence) -> str:

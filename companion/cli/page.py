@@ -1,0 +1,22 @@
+"""The page of a flight, written when the flight is over: never the business of its exit code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from companion.cli.terminal import say
+from companion.daemon.last_resort import told
+from companion.vehicle import CompanionError
+
+
+def write_page(directory: Path) -> None:
+    """Write ``report.html`` and say where; where it cannot be, say how it can be made."""
+    say("writing the report ...")
+    try:
+        from companion.record.report import write_report
+
+        say(f"report: {write_report(directory)}")
+    except CompanionError as error:
+        say(f"no report: {error}; then: companion report {directory}")
+    except Exception as error:  # the flight is flown and recorded: a page that fails must not make it a failure
+        say(f"no report: {told(error)}; the record is whole: companion report {directory}")
