@@ -20,7 +20,7 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     paths        where: implicit curves, arc length, placement       profiles    how fast, facing where (alpha, beta)
     law          the paper                                           mission     what is to be flown, as values
     places       what a mission counts from -> the local frame       fence       where a vehicle may be
-    plans        what ground stations write
+    plans        what ground stations write                          mavlink_common  MAV_CMD_*, MAV_RESULT, ...: numbers
     allocation   M and M^-1                                          estimation  what the vehicle does not say
     thrust_range the bounds of the thrust
     steering     state -> setpoint, one file an output level         flight      phases, guards: the state machine

@@ -13,11 +13,11 @@ import math
 
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.codec import Counters, Frame
+from companion.mavlink_common import MavResult
 from companion.vehicle import MotorInterface, Vehicle
 from companion.world import Start, World
 from companion.world.events import Operator, Stranger
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander.commander import Result
 from sim_bridge.autopilot.flight_modes.manual_control import Deflection
 from sim_bridge.autopilot.mavlink.link import COMPONENT, SYSTEM, Link
 from sim_bridge.autopilot.mavlink.streams import GROUND_STATION, ONBOARD, Boot, Streams
@@ -106,7 +106,7 @@ class Bridge:
         self._strangers: list[Stranger] = []
         self._sticks_at_us = 0
         self.ports_dialled = 0
-        self.orders: list[tuple[float, Operator, Result | None]] = []
+        self.orders: list[tuple[float, Operator, MavResult | None]] = []
         self._leaving: list[tuple[int, bytes]] = []
         self.log: list[str] = []
         self._noted = ("", 0.0)

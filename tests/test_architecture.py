@@ -15,7 +15,8 @@ MAY_IMPORT: dict[str, str] = {
     "plain_text": "",
     "geodesy": "frames",
     "calculus": "",
-    "plans": "frames fence geodesy",
+    "mavlink_common": "",
+    "plans": "frames fence geodesy mavlink_common",
     "fence": "frames",
     "vehicle": "frames",
     "world": "frames",
@@ -23,7 +24,7 @@ MAY_IMPORT: dict[str, str] = {
     "profiles": "frames calculus paths",
     "law": "frames calculus vehicle paths profiles",
     "mission": "frames fence calculus vehicle paths profiles law",
-    "places": "frames fence geodesy plans vehicle paths profiles mission",
+    "places": "frames fence geodesy mavlink_common plans vehicle paths profiles mission",
     "allocation": "vehicle",
     "thrust_range": "vehicle",
     "estimation": "frames calculus vehicle",
@@ -32,15 +33,17 @@ MAY_IMPORT: dict[str, str] = {
     "flight": "vehicle fence",
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "pilot": "frames vehicle law paths mission steering flight plan",
-    "mavlink": "frames vehicle plain_text",
+    "mavlink": "frames vehicle plain_text mavlink_common",
     # mavlink: world files name messages
-    "config": "plain_text frames fence geodesy plans calculus vehicle world paths profiles law mission mavlink",
+    "config": "plain_text mavlink_common frames fence geodesy plans calculus vehicle world paths profiles law mission "
+    "mavlink",
     "record": "frames vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
-    "daemon": "plain_text frames geodesy vehicle paths estimation flight mission places plan pilot mavlink record",
-    "services": "frames fence geodesy vehicle flight places plans",
+    "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan pilot mavlink "
+    "record",
+    "services": "frames fence geodesy mavlink_common vehicle flight places plans",
     "cli": "*",
 }
-SIM_BRIDGE = {"plain_text", "frames", "geodesy", "vehicle", "world", "mavlink"}
+SIM_BRIDGE = {"plain_text", "mavlink_common", "frames", "geodesy", "vehicle", "world", "mavlink"}
 SIM_BRIDGE_SHELL = {"sim_bridge/__main__.py", "sim_bridge/server.py"}
 IMPURE = {"socket", "select", "time", "signal", "threading", "random", "subprocess", "os", "termios", "gc"}
 MAY_BE_IMPURE = {"daemon", "config", "record", "services", "cli"}

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from companion.config.json_schemas import editor_line
-from companion.plans.items import DO_CHANGE_SPEED, TAKEOFF, WAYPOINT, Item, Plan
+from companion.mavlink_common import MAV_CMD_DO_CHANGE_SPEED, MAV_CMD_NAV_TAKEOFF, MAV_CMD_NAV_WAYPOINT
+from companion.plans.items import Item, Plan
 from companion.plans.writing import plan_text
 
 PATHS = {
@@ -193,13 +194,13 @@ def example_plan() -> str:
     latitude, longitude, altitude = 47.397742, 8.545594, 488.0
     items: list[Item] = []
 
-    def waypoint(north: float, east: float, height: float, command: int = WAYPOINT) -> None:
+    def waypoint(north: float, east: float, height: float, command: int = MAV_CMD_NAV_WAYPOINT) -> None:
         place = (round(latitude + north / 111194.93, 8), round(longitude + east / 75270.0, 8), height)
         items.append(Item(command, 3, (0.0, 0.0, 0.0, math.nan, *place), len(items) + 1, ()))
 
-    waypoint(0.0, 0.0, 10.0, TAKEOFF)
+    waypoint(0.0, 0.0, 10.0, MAV_CMD_NAV_TAKEOFF)
     waypoint(30.0, 0.0, 10.0)
-    items.append(Item(DO_CHANGE_SPEED, 2, (1.0, 3.0, -1.0, 0.0, 0.0, 0.0, 0.0), len(items) + 1, ()))
+    items.append(Item(MAV_CMD_DO_CHANGE_SPEED, 2, (1.0, 3.0, -1.0, 0.0, 0.0, 0.0, 0.0), len(items) + 1, ()))
     waypoint(30.0, 25.0, 12.0)
     waypoint(0.0, 25.0, 12.0)
     return plan_text(Plan(tuple(items), (latitude, longitude, altitude), 5.0))

@@ -24,7 +24,8 @@ from companion.mavlink import requests, setpoints, telemetry
 from companion.mavlink.codec import Decoder
 from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.mavlink.parameters import Parameters
-from companion.mavlink.peer import AUTOPILOT_COMPONENT, Received
+from companion.mavlink.peer import Received
+from companion.mavlink_common import MAV_COMP_ID_AUTOPILOT1
 from companion.pilot import First, Memory, Observation, Outcome
 from companion.plan import Plan
 from companion.record.folder import Recorder
@@ -232,7 +233,7 @@ class Conductor:
     def queue(self, setpoint: Setpoint, t_boot: float) -> None:
         """Have a setpoint sent, with the time (s, the vehicle's) of its state."""
         if self.link.identity is not None:
-            target = (self.link.identity.system, AUTOPILOT_COMPONENT)
+            target = (self.link.identity.system, MAV_COMP_ID_AUTOPILOT1)
             self.link.send(*setpoints.encoded(setpoint, t_boot, *target))
 
     def _tick(self, state: VehicleState | None, answer: Answer | None, now: float, behind: int = 0) -> None:

@@ -7,14 +7,14 @@ from collections.abc import Callable
 
 from companion.flight.phases import FLOWN
 from companion.geodesy import LocalFrame
-from companion.mavlink.announcing import INFO, WARNING, Announcer
+from companion.mavlink.announcing import Announcer
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value
-from companion.mavlink.link import ONBOARD_COMPUTER
 from companion.mavlink.own_parameters import WANTED as OWN_WANTED
 from companion.mavlink.own_parameters import Own, OwnParameters
 from companion.mavlink.upload import WANTED as UPLOAD_WANTED
 from companion.mavlink.upload import Place, Upload
+from companion.mavlink_common import MAV_COMP_ID_ONBOARD_COMPUTER, MavSeverity
 from companion.pilot import Memory, Outcome, yaw_error
 from companion.plan import Plan
 
@@ -33,7 +33,7 @@ class GroundSide:
         self._send = send
         self._note = note
         self._announcer = Announcer(send)
-        self._own = OwnParameters(send, ONBOARD_COMPUTER, {SPEED_SCALE: Own(1.0, 0.0, speed_scale_max)})
+        self._own = OwnParameters(send, MAV_COMP_ID_ONBOARD_COMPUTER, {SPEED_SCALE: Own(1.0, 0.0, speed_scale_max)})
         self._upload: Upload | None = None
 
     @property
@@ -63,7 +63,9 @@ class GroundSide:
     def told(self, plan: Plan, memory: Memory, outcome: Outcome, fault: bool, now: float) -> None:
         """What a tick brought."""
         for note in outcome.notes:
-            self._announcer.say(f"path: {note.split(' -> ')[-1]}", now, WARNING if fault else INFO)
+            self._announcer.say(
+                f"path: {note.split(' -> ')[-1]}", now, MavSeverity.WARNING if fault else MavSeverity.INFO
+            )
         steered, progress = outcome.steered, memory.progress
         if steered is not None and progress is not None and memory.state is not None and memory.phase in FLOWN:
             command = steered.command

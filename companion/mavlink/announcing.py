@@ -8,9 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink_common import MavSeverity
 
 TEXT, NAMED = message("STATUSTEXT"), message("NAMED_VALUE_FLOAT")
-INFO, WARNING = 6, 4  # MAV_SEVERITY
 TEXT_SIZE = 50
 TEXT_PERIOD = 0.5
 """s between two texts; a radio link is narrow."""
@@ -31,7 +31,7 @@ class Announcer:
     _next_numbers: float = -math.inf
     _count: int = 0
 
-    def say(self, text: str, now: float, severity: int = INFO) -> None:
+    def say(self, text: str, now: float, severity: int = MavSeverity.INFO) -> None:
         """Say something, unless it was said just now. What has to wait too long is left out, the oldest first."""
         if now - self._said.get(text, -math.inf) >= SAME_AGAIN:
             self._said = {known: at for known, at in self._said.items() if now - at < SAME_AGAIN} | {text: now}

@@ -12,8 +12,16 @@ from dataclasses import dataclass, field, replace
 
 from companion.mavlink.codec import Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
-from companion.mavlink.peer import AUTOPILOT_COMPONENT, AUTOPILOT_INVALID, HEARTBEAT, Peers, vehicle_of
+from companion.mavlink.peer import HEARTBEAT, Peers, vehicle_of
 from companion.mavlink.requests import COMMAND_LONG, Command, Requests, request
+from companion.mavlink_common import (
+    MAV_AUTOPILOT_INVALID,
+    MAV_COMP_ID_AUTOPILOT1,
+    MAV_COMP_ID_ONBOARD_COMPUTER,
+    MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET,
+    MAV_STATE_ACTIVE,
+    MAV_TYPE_ONBOARD_CONTROLLER,
+)
 from companion.plain_text import printable
 
 COMMAND_ACK = message("COMMAND_ACK")
@@ -22,11 +30,7 @@ AUTOPILOT_VERSION = message("AUTOPILOT_VERSION")
 STATUSTEXT = message("STATUSTEXT")
 WANTED = frozenset({HEARTBEAT.id, COMMAND_ACK.id, TIMESYNC.id, AUTOPILOT_VERSION.id, STATUSTEXT.id})
 
-ONBOARD_COMPUTER = 191
-TYPE_ONBOARD_CONTROLLER = 18
 AUTOPILOT_PX4 = 12
-STATE_ACTIVE = 4
-CAPABILITY_ACTUATORS = 1024
 """MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET."""
 
 HEARTBEAT_PERIOD = 1.0
@@ -53,7 +57,9 @@ class Identity:
     @property
     def direct_motors(self) -> bool | None:
         """Whether it takes motor commands; None until it has said."""
-        return None if self.capabilities is None else bool(self.capabilities & CAPABILITY_ACTUATORS)
+        return (
+            None if self.capabilities is None else bool(self.capabilities & MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET)
+        )
 
 
 @dataclass(slots=True)
@@ -75,7 +81,7 @@ class Link:
     _round_trips: tuple[float, ...] = ()
     texts: list[tuple[int, str]] = field(default_factory=list)
     outgoing: list[bytes] = field(default_factory=list)
-    encoder: Encoder = field(default_factory=lambda: Encoder(1, ONBOARD_COMPUTER))
+    encoder: Encoder = field(default_factory=lambda: Encoder(1, MAV_COMP_ID_ONBOARD_COMPUTER))
     requests: Requests = field(init=False)
     _heartbeat_at: float = -math.inf
     _timesync_at: float = -math.inf
@@ -104,7 +110,7 @@ class Link:
     def of_vehicle(self, frame: Frame) -> bool:
         """Whether the vehicle's autopilot sent this frame."""
         identity = self.identity
-        return identity is not None and frame.system == identity.system and frame.component == AUTOPILOT_COMPONENT
+        return identity is not None and frame.system == identity.system and frame.component == MAV_COMP_ID_AUTOPILOT1
 
     def receive(self, frame: Frame, now: float) -> tuple[Command, int] | None:
         """Take a frame in. The command that stands wanted and its MAV_RESULT, where the frame answers it."""
@@ -127,7 +133,7 @@ class Link:
         """Send what is due."""
         if now >= self._heartbeat_at + HEARTBEAT_PERIOD:
             self._heartbeat_at = now
-            self.send(HEARTBEAT, (0, TYPE_ONBOARD_CONTROLLER, AUTOPILOT_INVALID, 0, STATE_ACTIVE, 3))
+            self.send(HEARTBEAT, (0, MAV_TYPE_ONBOARD_CONTROLLER, MAV_AUTOPILOT_INVALID, 0, MAV_STATE_ACTIVE, 3))
         if self.identity is None:
             return
         if now >= self._timesync_at + TIMESYNC_PERIOD:
@@ -150,7 +156,7 @@ class Link:
     def _meet(self, frame: Frame, now: float) -> None:
         identity, vehicle = self.identity, vehicle_of(frame)
         if vehicle is None:
-            if frame.component == ONBOARD_COMPUTER and frame.values[1] == TYPE_ONBOARD_CONTROLLER:
+            if frame.component == MAV_COMP_ID_ONBOARD_COMPUTER and frame.values[1] == MAV_TYPE_ONBOARD_CONTROLLER:
                 self._hear_companion(frame.system, now)
         elif identity is None and vehicle.is_multirotor:
             self.identity = Identity(frame.system, vehicle.autopilot, vehicle.kind)
@@ -204,7 +210,7 @@ class Link:
 
     def _command(self, command: Command, confirmation: int) -> None:
         assert self.identity is not None
-        target = (self.identity.system, AUTOPILOT_COMPONENT)
+        target = (self.identity.system, MAV_COMP_ID_AUTOPILOT1)
         self.send(COMMAND_LONG, (*command.padded, command.id, *target, confirmation))
 
 

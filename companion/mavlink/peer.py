@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from companion.mavlink.codec import MAGIC_V1, MAGIC_V2, Counters, Decoder, Frame
 from companion.mavlink.dialect import message
+from companion.mavlink_common import MAV_AUTOPILOT_INVALID, MAV_COMP_ID_AUTOPILOT1, MAV_TYPE_GCS
 
 Source = Hashable
 """Where bytes come from and go to: (host, port), LINE, or an endpoint's number in lockstep."""
@@ -23,9 +24,6 @@ LINE = "line"
 """The one source of a serial line."""
 
 HEARTBEAT, ODOMETRY, CURRENT_MODE = message("HEARTBEAT"), message("ODOMETRY"), message("CURRENT_MODE")
-AUTOPILOT_COMPONENT = 1
-TYPE_GCS = 6
-AUTOPILOT_INVALID = 8
 MULTIROTORS = frozenset({2, 3, 13, 14, 15, 29, 35, 43})
 """MAV_TYPE: quadrotor, coaxial, hexa-, octo-, tri-, dodeca-, decarotor, generic multirotor."""
 TYPES = {
@@ -127,7 +125,7 @@ class Peers:
         if not self._is_looked_at(data, now, away):
             return False
         for frame in stranger.decoder.piece(data if away else data[:FRAME_MAX], now):
-            if frame.component != AUTOPILOT_COMPONENT:
+            if frame.component != MAV_COMP_ID_AUTOPILOT1:
                 continue
             vehicle = vehicle_of(frame)
             if vehicle is not None:
@@ -216,17 +214,19 @@ class Peers:
 
 def vehicle_of(frame: Frame) -> Vehicle | None:
     """Which vehicle's autopilot a heartbeat comes from; None for other components, ground stations and messages."""
-    if frame.format is not HEARTBEAT or frame.component != AUTOPILOT_COMPONENT:
+    if frame.format is not HEARTBEAT or frame.component != MAV_COMP_ID_AUTOPILOT1:
         return None
     _, kind, autopilot, _, _, _ = frame.values
-    return None if autopilot == AUTOPILOT_INVALID or kind == TYPE_GCS else Vehicle(frame.system, kind, autopilot)
+    return (
+        None if autopilot == MAV_AUTOPILOT_INVALID or kind == MAV_TYPE_GCS else Vehicle(frame.system, kind, autopilot)
+    )
 
 
 def begins_as_heartbeat(data: bytes) -> bool:
     """Whether a datagram begins with an autopilot's HEARTBEAT, as far as its header says."""
     if len(data) >= 12 and data[0] == MAGIC_V2:
-        return data[6] == AUTOPILOT_COMPONENT and data[7:10] == b"\0\0\0"
-    return len(data) >= 8 and data[0] == MAGIC_V1 and data[4] == AUTOPILOT_COMPONENT and data[5] == 0
+        return data[6] == MAV_COMP_ID_AUTOPILOT1 and data[7:10] == b"\0\0\0"
+    return len(data) >= 8 and data[0] == MAGIC_V1 and data[4] == MAV_COMP_ID_AUTOPILOT1 and data[5] == 0
 
 
 def source_words(source: Source) -> str:

@@ -11,16 +11,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from companion.mavlink.dialect import message
+from companion.mavlink_common import (
+    MAV_CMD_COMPONENT_ARM_DISARM,
+    MAV_CMD_DO_SET_MODE,
+    MAV_CMD_NAV_LAND,
+    MAV_CMD_NAV_TAKEOFF,
+    MAV_CMD_REQUEST_MESSAGE,
+    MAV_CMD_SET_MESSAGE_INTERVAL,
+)
 from companion.vehicle import Mode
 
 COMMAND_LONG = message("COMMAND_LONG")
 
-ARM_DISARM = 400
-TAKE_OFF = 22
-LAND = 21
-SET_MODE = 176
-SET_MESSAGE_INTERVAL = 511
-REQUEST_MESSAGE = 512
 CUSTOM_MODE_ENABLED = 1.0
 
 RETRY_UNANSWERED = 0.5
@@ -49,23 +51,23 @@ UNUSED = (math.nan,) * 7
 
 def set_mode(mode: Mode) -> Command:
     """Asks for a flight mode."""
-    return Command(SET_MODE, (CUSTOM_MODE_ENABLED, float(mode.main), float(mode.sub)))
+    return Command(MAV_CMD_DO_SET_MODE, (CUSTOM_MODE_ENABLED, float(mode.main), float(mode.sub)))
 
 
-ARM = Command(ARM_DISARM, (1.0,))
-DISARM = Command(ARM_DISARM, (0.0,))
-AUTO_TAKE_OFF = Command(TAKE_OFF, UNUSED)
-AUTO_LAND = Command(LAND, UNUSED)
+ARM = Command(MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
+DISARM = Command(MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
+AUTO_TAKE_OFF = Command(MAV_CMD_NAV_TAKEOFF, UNUSED)
+AUTO_LAND = Command(MAV_CMD_NAV_LAND, UNUSED)
 
 
 def request(msgid: int) -> Command:
     """Asks for a message once."""
-    return Command(REQUEST_MESSAGE, (float(msgid),))
+    return Command(MAV_CMD_REQUEST_MESSAGE, (float(msgid),))
 
 
 def stream(msgid: int, rate: float) -> Command:
     """Asks for a message at ``rate`` Hz."""
-    return Command(SET_MESSAGE_INTERVAL, (float(msgid), float(round(1e6 / rate))))
+    return Command(MAV_CMD_SET_MESSAGE_INTERVAL, (float(msgid), float(round(1e6 / rate))))
 
 
 @dataclass(slots=True)

@@ -14,6 +14,15 @@ from companion.frames import normalised, rotation_matrix, to_world
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import mode_of
+from companion.mavlink_common import (
+    MAV_FRAME_BODY_FRD,
+    MAV_FRAME_BODY_NED,
+    MAV_FRAME_LOCAL_NED,
+    MAV_MODE_FLAG_SAFETY_ARMED,
+    MAV_STATE_ACTIVE,
+    MAV_STATE_CRITICAL,
+    MAV_STATE_STANDBY,
+)
 from companion.vehicle import FrameOrigin, Home, Landed, VehicleState, VehicleStatus
 
 HEARTBEAT = message("HEARTBEAT")
@@ -25,11 +34,6 @@ ESTIMATOR_STATUS = message("ESTIMATOR_STATUS")
 HOME_POSITION = message("HOME_POSITION")
 GPS_GLOBAL_ORIGIN = message("GPS_GLOBAL_ORIGIN")
 
-LOCAL_NED = 1
-BODY_NED_OLD = 8
-BODY_FRD = 12
-ARMED_FLAG = 0x80
-STANDBY, ACTIVE, CRITICAL = 3, 4, 5
 
 POSITION_MAX = 1e5
 """m from the local origin: a float32 resolves 8 mm there (engineering choice)."""
@@ -60,15 +64,15 @@ class Telemetry:
 
     def _heartbeat(self, frame: Frame) -> None:
         custom_mode, _, _, base_mode, system_status, _ = frame.values
-        armed = bool(base_mode & ARMED_FLAG)
+        armed = bool(base_mode & MAV_MODE_FLAG_SAFETY_ARMED)
         mode = mode_of(custom_mode)
         self.status = self.status._replace(
             armed=armed,
             mode=mode,
             # whose intention a new mode is, only CURRENT_MODE says
             intended=self.status.intended if mode is self.status.mode else None,
-            ready=system_status in (STANDBY, ACTIVE, CRITICAL),
-            failsafe=system_status == CRITICAL,
+            ready=system_status in (MAV_STATE_STANDBY, MAV_STATE_ACTIVE, MAV_STATE_CRITICAL),
+            failsafe=system_status == MAV_STATE_CRITICAL,
         )
 
     def _current_mode(self, frame: Frame) -> None:
@@ -103,7 +107,7 @@ class Telemetry:
     def _odometry(self, frame: Frame) -> VehicleState | None:
         (time_usec, x, y, z, qw, qx, qy, qz, vx, vy, vz, p, q, r) = frame.values[:14]
         frame_id, child_frame_id, resets = frame.values[-5:-2]
-        if frame_id != LOCAL_NED:
+        if frame_id != MAV_FRAME_LOCAL_NED:
             self._refuse(f"ODOMETRY in frame {frame_id}, expected LOCAL_NED (1)")
             return None
         if not math.isfinite(x + y + z + qw + qx + qy + qz + vx + vy + vz + p + q + r):
@@ -125,9 +129,9 @@ class Telemetry:
             return None
         attitude = normalised((qw, qx, qy, qz))
         velocity = (vx, vy, vz)
-        if child_frame_id in (BODY_FRD, BODY_NED_OLD):  # PX4 up to 1.13
+        if child_frame_id in (MAV_FRAME_BODY_FRD, MAV_FRAME_BODY_NED):  # PX4 up to 1.13
             velocity = to_world(rotation_matrix(attitude), velocity)
-        elif child_frame_id != LOCAL_NED:
+        elif child_frame_id != MAV_FRAME_LOCAL_NED:
             self._refuse(f"ODOMETRY with velocity in frame {child_frame_id}, expected LOCAL_NED or BODY_FRD")
             return None
         return VehicleState(time_usec * 1e-6, (x, y, z), velocity, attitude, (p, q, r), resets)

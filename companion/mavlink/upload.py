@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink_common import MAV_CMD_NAV_WAYPOINT, MAV_FRAME_GLOBAL_INT
 
 COUNT, ITEM, ACK = message("MISSION_COUNT"), message("MISSION_ITEM_INT"), message("MISSION_ACK")
 REQUEST_INT, REQUEST = message("MISSION_REQUEST_INT"), message("MISSION_REQUEST")
 WANTED = frozenset({REQUEST_INT.id, REQUEST.id, ACK.id})
-WAYPOINT, GLOBAL_INT = 16, 5
 RETRY_AFTER = 1.0
 TRIES = 5
 RESULTS = {0: "accepted", 1: "refused", 2: "frame not supported", 3: "not supported", 4: "no room", 5: "invalid",
@@ -69,6 +69,6 @@ class Upload:
             place = self.places[told["seq"]]
             self.send(ITEM, ITEM.values(
                 param4=math.nan, x=round(place.latitude * 1e7), y=round(place.longitude * 1e7), z=place.altitude,
-                seq=told["seq"], command=WAYPOINT, target_system=self.system, target_component=1, frame=GLOBAL_INT,
-                autocontinue=1,
+                seq=told["seq"], command=MAV_CMD_NAV_WAYPOINT, target_system=self.system, target_component=1,
+                frame=MAV_FRAME_GLOBAL_INT, autocontinue=1,
             ))  # fmt: skip

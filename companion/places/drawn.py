@@ -11,12 +11,19 @@ from numpy.typing import NDArray
 
 from companion.fence import Fence, Polygon
 from companion.geodesy import LocalFrame
+from companion.mavlink_common import (
+    MAV_CMD_DO_CHANGE_SPEED,
+    MAV_CMD_DO_JUMP,
+    MAV_CMD_NAV_WAYPOINT,
+    MAV_FRAME_GLOBAL,
+    MAV_FRAME_GLOBAL_RELATIVE_ALT,
+    MAV_FRAME_MISSION,
+)
 from companion.mission import GlobalOrigin, Mission
 from companion.paths.arc import ArcTable
-from companion.plans.items import DO_CHANGE_SPEED, DO_JUMP, WAYPOINT, FenceArea, Item, Plan
+from companion.plans.items import FenceArea, Item, Plan
 from companion.profiles import TangentYaw
 
-AMSL, RELATIVE, MISSION_FRAME = 0, 3, 2
 BETWEEN = 9
 """Places of the curve between two waypoints at which its distance from the straight leg is looked at."""
 FIRST_PARTS = 8
@@ -50,15 +57,23 @@ def drawn(mission: Mission, home: LocalFrame, tolerance: float) -> Plan:
         heading = nan if isinstance(mission.yaw, TangentYaw) else math.degrees(mission.beta(s)) % 360.0
         height = altitude if amsl else altitude - home.altitude
         place = (round(latitude, 9), round(longitude, 9), round(height, 3))
-        add(WAYPOINT, AMSL if amsl else RELATIVE, 0.0, ACCEPTANCE, 0.0, heading, *place)
+        add(
+            MAV_CMD_NAV_WAYPOINT,
+            MAV_FRAME_GLOBAL if amsl else MAV_FRAME_GLOBAL_RELATIVE_ALT,
+            0.0,
+            ACCEPTANCE,
+            0.0,
+            heading,
+            *place,
+        )
         following = abs(mission.alpha(0.5 * (s + legs[i + 1]))) if i + 1 < len(legs) else speed
         if abs(following - speed) > SPEED_STEP * speed:
             speed = following
-            add(DO_CHANGE_SPEED, MISSION_FRAME, 1.0, round(speed, 2), -1.0, 0.0, 0.0, 0.0, 0.0)
+            add(MAV_CMD_DO_CHANGE_SPEED, MAV_FRAME_MISSION, 1.0, round(speed, 2), -1.0, 0.0, 0.0, 0.0, 0.0)
     if table.closed:
         repeats = FOR_EVER if mission.laps is None else float(math.ceil(mission.laps) - 1)
         if repeats != 0.0:
-            add(DO_JUMP, MISSION_FRAME, 1.0, repeats, 0.0, 0.0, 0.0, 0.0, 0.0)
+            add(MAV_CMD_DO_JUMP, MAV_FRAME_MISSION, 1.0, repeats, 0.0, 0.0, 0.0, 0.0, 0.0)
     fence = mission.fence_n
     areas = () if fence is None else _areas(fence, home)
     return Plan(tuple(items), (home.latitude, home.longitude, home.altitude), round(told, 2), areas)

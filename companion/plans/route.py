@@ -13,16 +13,48 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from companion.mavlink_common import (
+    MAV_CMD_CONDITION_DELAY,
+    MAV_CMD_CONDITION_DISTANCE,
+    MAV_CMD_CONDITION_YAW,
+    MAV_CMD_DO_CHANGE_SPEED,
+    MAV_CMD_DO_JUMP,
+    MAV_CMD_DO_LAND_START,
+    MAV_CMD_DO_SET_ROI,
+    MAV_CMD_DO_SET_ROI_LOCATION,
+    MAV_CMD_DO_SET_ROI_NONE,
+    MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
+    MAV_CMD_NAV_DELAY,
+    MAV_CMD_NAV_LAND,
+    MAV_CMD_NAV_LAST,
+    MAV_CMD_NAV_LOITER_TIME,
+    MAV_CMD_NAV_LOITER_TO_ALT,
+    MAV_CMD_NAV_LOITER_TURNS,
+    MAV_CMD_NAV_LOITER_UNLIM,
+    MAV_CMD_NAV_PAYLOAD_PLACE,
+    MAV_CMD_NAV_RETURN_TO_LAUNCH,
+    MAV_CMD_NAV_SPLINE_WAYPOINT,
+    MAV_CMD_NAV_TAKEOFF,
+    MAV_CMD_NAV_VTOL_LAND,
+    MAV_CMD_NAV_VTOL_TAKEOFF,
+    MAV_CMD_NAV_WAYPOINT,
+)
 from companion.plans import items as c
 from companion.plans.items import Item, Key, Place, Plan, PlanError, Problem
 
 STEPS_MAX = 200_000
 """Items executed, jumps and all."""
 MOVES = frozenset(
-    {c.WAYPOINT, c.LOITER_UNLIMITED, c.LOITER_TURNS, c.LOITER_TIME, c.LOITER_TO_ALTITUDE, c.SPLINE_WAYPOINT}
+    {
+        MAV_CMD_NAV_WAYPOINT,
+        MAV_CMD_NAV_LOITER_UNLIM,
+        MAV_CMD_NAV_LOITER_TURNS,
+        MAV_CMD_NAV_LOITER_TIME,
+        MAV_CMD_NAV_LOITER_TO_ALT,
+        MAV_CMD_NAV_SPLINE_WAYPOINT,
+    }
 )
-NOT_FOR_A_QUADROTOR = {c.VTOL_TAKEOFF: "a VTOL's take-off", c.VTOL_LAND: "a VTOL's landing"}
-LAST_NAV = 95
+NOT_FOR_A_QUADROTOR = {MAV_CMD_NAV_VTOL_TAKEOFF: "a VTOL's take-off", MAV_CMD_NAV_VTOL_LAND: "a VTOL's landing"}
 """MAV_CMD_NAV_LAST: commands below it say where to fly."""
 
 
@@ -82,7 +114,7 @@ class _Walk:
                 self._problem(item, f"jumps make more than {STEPS_MAX} items")
                 break
             reached.setdefault(self._at, len(self._waypoints))
-            if item.command == c.DO_JUMP:
+            if item.command == MAV_CMD_DO_JUMP:
                 if not self._jumped(item, index, reached, jumps):
                     break
             elif self._executed(item):
@@ -115,24 +147,24 @@ class _Walk:
         command = item.command
         if command in MOVES:
             self._moved(item)
-            if command == c.LOITER_UNLIMITED:
+            if command == MAV_CMD_NAV_LOITER_UNLIM:
                 self._note("the path ends where the plan loiters", item)
                 return False
-        elif command == c.TAKEOFF:
+        elif command == MAV_CMD_NAV_TAKEOFF:
             self._took_off(item)
-        elif command == c.LAND:
+        elif command == MAV_CMD_NAV_LAND:
             self._landed(item)
             return False
-        elif command == c.RETURN:
+        elif command == MAV_CMD_NAV_RETURN_TO_LAUNCH:
             self._note("the path ends where the plan returns home; the vehicle is handed back there, in Hold", item)
             return False
         elif command in NOT_FOR_A_QUADROTOR:
             self._problem(item, f"{NOT_FOR_A_QUADROTOR[command]} (command {command}) is not for a quadrotor")
         elif command in _CHANGES:
             _CHANGES[command](self, item)
-        elif command == c.PAYLOAD_PLACE or (command < LAST_NAV and command not in (80, 92)):
+        elif command == MAV_CMD_NAV_PAYLOAD_PLACE or (command < MAV_CMD_NAV_LAST and command not in (80, 92)):
             self._problem(item, f"command {command} says where to fly in a way that is not known here")
-        elif command != c.DO_LAND_START:
+        elif command != MAV_CMD_DO_LAND_START:
             self._note("cameras, gimbals and the like are skipped", item)
         return True
 
@@ -140,11 +172,11 @@ class _Walk:
         place = self._place(item)
         if place is None:
             return
-        if item.command == c.WAYPOINT and item.params[0] > 0.0:
+        if item.command == MAV_CMD_NAV_WAYPOINT and item.params[0] > 0.0:
             self._note("pauses are not made, the path is flown without a stop", item)
-        elif item.command in (c.LOITER_TIME, c.LOITER_TURNS, c.LOITER_TO_ALTITUDE):
+        elif item.command in (MAV_CMD_NAV_LOITER_TIME, MAV_CMD_NAV_LOITER_TURNS, MAV_CMD_NAV_LOITER_TO_ALT):
             self._note("loiters are flown through as waypoints", item)
-        elif item.command == c.SPLINE_WAYPOINT:
+        elif item.command == MAV_CMD_NAV_SPLINE_WAYPOINT:
             self._note("spline waypoints are flown as waypoints; say smooth: true for a smooth curve", item)
         self._waypoints.append(Waypoint(place, self._speed, self._facing(item), item.key))
 
@@ -187,7 +219,7 @@ class _Walk:
             self._problem(item, f"a speed of {speed:g} m/s; expected more than 0, or -1 for no change")
 
     def _faced(self, item: Item) -> None:
-        if item.command == c.ROI_OLD and item.params[0] != 3.0:
+        if item.command == MAV_CMD_DO_SET_ROI and item.params[0] != 3.0:
             self._note("regions of interest that are not places are skipped", item)
             return
         self._roi = self._place(item)
@@ -228,7 +260,7 @@ class _Walk:
     def _facing(self, item: Item | None) -> float | Place | None:
         if self._roi is not None:
             return self._roi
-        if item is not None and item.command == c.WAYPOINT and math.isfinite(item.params[3]):
+        if item is not None and item.command == MAV_CMD_NAV_WAYPOINT and math.isfinite(item.params[3]):
             self._yaw = None
             return item.params[3] % 360.0
         return self._yaw
@@ -262,15 +294,15 @@ class _Walk:
 
 
 _CHANGES: dict[int, Callable[[_Walk, Item], None]] = {
-    c.DO_CHANGE_SPEED: _Walk._changed_speed,
-    c.ROI_LOCATION: _Walk._faced,
-    c.ROI_OLD: _Walk._faced,
-    c.ROI_NONE: _Walk._faced_nothing,
-    c.ROI_NEXT_OFFSET: _Walk._faced_next,
-    c.CONDITION_YAW: _Walk._turned,
-    c.NAV_DELAY: _Walk._delayed,
-    c.CONDITION_DELAY: _Walk._delayed,
-    c.CONDITION_DISTANCE: _Walk._delayed,
+    MAV_CMD_DO_CHANGE_SPEED: _Walk._changed_speed,
+    MAV_CMD_DO_SET_ROI_LOCATION: _Walk._faced,
+    MAV_CMD_DO_SET_ROI: _Walk._faced,
+    MAV_CMD_DO_SET_ROI_NONE: _Walk._faced_nothing,
+    MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET: _Walk._faced_next,
+    MAV_CMD_CONDITION_YAW: _Walk._turned,
+    MAV_CMD_NAV_DELAY: _Walk._delayed,
+    MAV_CMD_CONDITION_DELAY: _Walk._delayed,
+    MAV_CMD_CONDITION_DISTANCE: _Walk._delayed,
 }
 
 

@@ -11,9 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from companion.geodesy import MapProjection
-from companion.plans.items import ROI_NEXT_OFFSET, ROI_NONE, WAYPOINT, Item, Key
+from companion.mavlink_common import (
+    MAV_CMD_DO_SET_ROI_NONE,
+    MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
+    MAV_CMD_NAV_WAYPOINT,
+    MAV_FRAME_GLOBAL_RELATIVE_ALT,
+    MAV_FRAME_MISSION,
+)
+from companion.plans.items import Item, Key
 
-RELATIVE, MISSION = 3, 2
 Corner = tuple[float, float]
 
 
@@ -42,17 +48,17 @@ def scan_items(scan: StructureScan, number: int, key: Key) -> list[Item]:
         found.append(Item(command, frame, params, number + len(found), key))
 
     def waypoint(corner: Corner, height: float) -> None:
-        add(WAYPOINT, RELATIVE, 0.0, 0.0, 0.0, nan, *corner, height)
+        add(MAV_CMD_NAV_WAYPOINT, MAV_FRAME_GLOBAL_RELATIVE_ALT, 0.0, 0.0, 0.0, nan, *corner, height)
 
     waypoint(round_it[0], scan.entrance)
-    add(ROI_NEXT_OFFSET, MISSION, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 90.0)
+    add(MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET, MAV_FRAME_MISSION, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 90.0)
     step = -scan.layer_height if scan.from_top else scan.layer_height
     height = (scan.top if scan.from_top else scan.bottom) + 0.5 * step
     for _ in range(scan.layers):
         for corner in (*round_it, round_it[0]):
             waypoint(corner, height)
         height += step
-    add(ROI_NONE, MISSION, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    add(MAV_CMD_DO_SET_ROI_NONE, MAV_FRAME_MISSION, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     waypoint(round_it[0], scan.entrance)
     return found
 

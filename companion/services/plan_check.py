@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from companion.mavlink_common import MAV_FRAME_MISSION
 from companion.plans.items import Plan
 
-MISSION_FRAME = 2
 SCANS = ("CorridorScan", "StructureScan")
 """What MAVSDK's reader leaves out."""
 
@@ -21,7 +21,7 @@ def differences(plan: Plan, text: str, theirs: Any) -> list[str]:
     if len(plan.items) != len(theirs.mission_items):
         found.append(f"plan: we read {len(plan.items)} items, MAVSDK {len(theirs.mission_items)}")
     for number, (ours, other) in enumerate(zip(plan.items, theirs.mission_items, strict=False), 1):
-        scale = 1.0 if ours.frame == MISSION_FRAME else 1e7
+        scale = 1.0 if ours.frame == MAV_FRAME_MISSION else 1e7
         mine = (ours.command, ours.frame, round(ours.params[4] * scale), round(ours.params[5] * scale))
         same_height = ours.params[6] == other.z or abs(ours.params[6] - other.z) < 1e-3 or math.isnan(other.z)
         if mine != (other.command, other.frame, other.x, other.y) or not same_height:

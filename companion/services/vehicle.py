@@ -12,13 +12,19 @@ from typing import Any
 from companion.fence import Circle, Fence, Polygon
 from companion.frames import Vec3
 from companion.geodesy import LocalFrame
+from companion.mavlink_common import (
+    MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
+    MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
+    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+    MAV_CMD_NAV_WAYPOINT,
+    MAV_FRAME_GLOBAL_INT,
+    MAV_MISSION_TYPE_FENCE,
+    MAV_MISSION_TYPE_MISSION,
+)
 from companion.places.standing import Whereabouts
 from companion.vehicle import CompanionError
 
-WAYPOINT = 16
-INSIDE_POLYGON, OUTSIDE_POLYGON, INSIDE_CIRCLE, OUTSIDE_CIRCLE = 5001, 5002, 5003, 5004
-GLOBAL_INT = 5
-MISSION, FENCE = 0, 1
 RATE_ASKED = 100.0
 RATE_OVER = 1.5
 """s over which the rate of ODOMETRY is measured."""
@@ -110,7 +116,12 @@ class Vehicle:
 
         raw = MissionRaw(self.system)
         try:
-            raw.upload_mission([_item(i, WAYPOINT, MISSION, frame.to_global(p)) for i, p in enumerate(points)])
+            raw.upload_mission(
+                [
+                    _item(i, MAV_CMD_NAV_WAYPOINT, MAV_MISSION_TYPE_MISSION, frame.to_global(p))
+                    for i, p in enumerate(points)
+                ]
+            )
             if fence is not None:
                 raw.upload_geofence(fence_items(fence, frame))
         except MissionRawError as error:
@@ -143,11 +154,21 @@ def fence_items(fence: Fence, frame: LocalFrame) -> list[Any]:
     for area in fence.areas:
         corners = area.corners if isinstance(area, Polygon) else (area.center,)
         if isinstance(area, Circle):
-            kind, first = (INSIDE_CIRCLE if area.inside else OUTSIDE_CIRCLE), area.radius
+            kind, first = (
+                (MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION if area.inside else MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION),
+                area.radius,
+            )
         else:
-            kind, first = (INSIDE_POLYGON if area.inside else OUTSIDE_POLYGON), float(len(corners))
+            kind, first = (
+                (
+                    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
+                    if area.inside
+                    else MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
+                ),
+                float(len(corners)),
+            )
         for north, east in corners:
-            items.append(_item(len(items), kind, FENCE, frame.to_global((north, east, 0.0)), first))
+            items.append(_item(len(items), kind, MAV_MISSION_TYPE_FENCE, frame.to_global((north, east, 0.0)), first))
     return items
 
 
@@ -156,10 +177,10 @@ def _item(number: int, command: int, kind: int, place: tuple[float, float, float
 
     latitude, longitude, altitude = place
     x, y = round(latitude * 1e7), round(longitude * 1e7)
-    current = int(number == 0 and kind == MISSION)
+    current = int(number == 0 and kind == MAV_MISSION_TYPE_MISSION)
     return MissionItem(
-        number, GLOBAL_INT, command, current, 1, first, 0.0, 0.0, math.nan, x, y, altitude if kind == MISSION else 0.0,
-        kind,
+        number, MAV_FRAME_GLOBAL_INT, command, current, 1, first, 0.0, 0.0, math.nan, x, y,
+        altitude if kind == MAV_MISSION_TYPE_MISSION else 0.0, kind,
     )  # fmt: skip
 
 

@@ -7,13 +7,14 @@ import math
 from companion.frames import Quaternion, Vec3
 from companion.geodesy import MapProjection
 from companion.mavlink.modes import Landed, Mode
+from companion.mavlink_common import MAV_FRAME_GLOBAL_INT, MAV_FRAME_GLOBAL_RELATIVE_ALT_INT, MavResult, MavSeverity
 from companion.vehicle import Vehicle
 from companion.world import Battery as Pack
 from companion.world import Home
 from sim_bridge.autopilot import parameters
 from sim_bridge.autopilot.commander import failsafe_flags
 from sim_bridge.autopilot.commander.battery import Battery
-from sim_bridge.autopilot.commander.commander import MANUAL, READY_AFTER, Commander, Result, Severity
+from sim_bridge.autopilot.commander.commander import MANUAL, READY_AFTER, Commander
 from sim_bridge.autopilot.commander.contacts import Contacts
 from sim_bridge.autopilot.commander.events import Events
 from sim_bridge.autopilot.commander.fence_watch import FenceWatch
@@ -25,7 +26,7 @@ from sim_bridge.autopilot.flight_modes.guidance import Guidance, TakeOff, Thrott
 from sim_bridge.autopilot.flight_modes.manual import BY_PLACE_OR_HEIGHT, StickFlight
 from sim_bridge.autopilot.flight_modes.manual_control import CENTRED, Deflection, Sticks
 from sim_bridge.autopilot.flight_modes.offboard import PlaceFlight
-from sim_bridge.autopilot.flight_modes.position_setpoints import GLOBAL_INT, GLOBAL_RELATIVE_INT, PositionDemand
+from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
 from sim_bridge.autopilot.flight_modes.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
 from sim_bridge.autopilot.missions import mission_watch
 from sim_bridge.autopilot.missions.flight import MissionFlight
@@ -198,11 +199,11 @@ class Autopilot:
         """A place on the globe (degrees, m of ``frame``) in the local frame; None: it cannot be known."""
         if not self.home_position.position_known or not math.isfinite(altitude):
             return None
-        if frame == GLOBAL_RELATIVE_INT:
+        if frame == MAV_FRAME_GLOBAL_RELATIVE_ALT_INT:
             if self.home_position.home_set_us is None:
                 return None
             altitude += self.home_altitude
-        elif frame != GLOBAL_INT:  # above the terrain, which is flat
+        elif frame != MAV_FRAME_GLOBAL_INT:  # above the terrain, which is flat
             altitude += self.home.altitude
         return (*self.projection.project(latitude, longitude), self.home.altitude - altitude)
 
@@ -230,11 +231,11 @@ class Autopilot:
         if self.sticks.have_moved():
             self.commander.sticks_moved(self.t)
 
-    def request_mode(self, mode: Mode, aloud: bool = True) -> Result:
+    def request_mode(self, mode: Mode, aloud: bool = True) -> MavResult:
         """Somebody asks for a mode. ``aloud``: a refusal is told in words."""
         return self.commander.request_mode(mode, self.t, aloud)
 
-    def take_off(self, wanted: TakeOff) -> Result:
+    def take_off(self, wanted: TakeOff) -> MavResult:
         """Somebody asks for a take-off; one that is under way already goes there instead."""
         self.guidance.takeoff = wanted
         result = self.request_mode(Mode.TAKEOFF)
@@ -251,7 +252,7 @@ class Autopilot:
             place = (*(before[:2] if level is None else level), before[2] if down is None else down)
             home = self.guidance.home_n if self.home_position.home_set_us is not None else None
             if self.parameters["GF_ACTION"] and self.fence.broken_at(place, home):
-                self.commander.say(Severity.CRITICAL, "Reposition is outside geofence\t")
+                self.commander.say(MavSeverity.CRITICAL, "Reposition is outside geofence\t")
                 return
             if self._flown is not Mode.HOLD:
                 self._enter(Mode.HOLD)
@@ -265,14 +266,14 @@ class Autopilot:
             top = self.guidance.takeoff.down
             if top is None:
                 height = self.parameters["MIS_TAKEOFF_ALT"]
-                self.commander.say(Severity.INFO, f"Using default takeoff altitude: {height:.1f} m\t")
+                self.commander.say(MavSeverity.INFO, f"Using default takeoff altitude: {height:.1f} m\t")
             elif top > self.estimate.p_n[2]:
-                self.commander.say(Severity.CRITICAL, "Already higher than takeoff altitude\t")
+                self.commander.say(MavSeverity.CRITICAL, "Already higher than takeoff altitude\t")
         if mode is Mode.RETURN:
             height = self.guidance.return_height(self.estimate)
             above = round(height + self.home.altitude), round(height)
             self.commander.say(
-                Severity.INFO, f"RTL: start return at {above[0]} m ({above[1]} m above destination)\t"
+                MavSeverity.INFO, f"RTL: start return at {above[0]} m ({above[1]} m above destination)\t"
             )  # fmt: skip
         if mode in MANUAL:
             self.stick_flight.enter(mode, self.estimate)

@@ -6,6 +6,7 @@ from companion.mavlink import link as wire
 from companion.mavlink import requests
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Value, message
+from companion.mavlink_common import MAV_CMD_REQUEST_MESSAGE, MAV_CMD_SET_MESSAGE_INTERVAL
 from companion.vehicle import Mode
 
 
@@ -69,16 +70,16 @@ def test_streams_are_asked_for_one_by_one_until_answered() -> None:
     link = wire.Link(streams=(requests.stream(331, 250.0), requests.stream(436, 20.0)))
     vehicle = Peer(link)
     vehicle.heartbeat(0.0)
-    assert vehicle.commands() == [(requests.REQUEST_MESSAGE, 0.0, 0)]
-    vehicle.acknowledges(requests.REQUEST_MESSAGE, 0, 0.01)
-    assert vehicle.commands() == [(requests.SET_MESSAGE_INTERVAL, 4000.0, 0)]
+    assert vehicle.commands() == [(MAV_CMD_REQUEST_MESSAGE, 0.0, 0)]
+    vehicle.acknowledges(MAV_CMD_REQUEST_MESSAGE, 0, 0.01)
+    assert vehicle.commands() == [(MAV_CMD_SET_MESSAGE_INTERVAL, 4000.0, 0)]
     link.on_timer(0.3)
     assert vehicle.commands() == []
     link.on_timer(0.6)  # no answer
-    assert vehicle.commands() == [(requests.SET_MESSAGE_INTERVAL, 4000.0, 1)]
-    vehicle.acknowledges(requests.SET_MESSAGE_INTERVAL, 0, 0.61)
-    assert vehicle.commands() == [(requests.SET_MESSAGE_INTERVAL, 50000.0, 0)]
-    vehicle.acknowledges(requests.SET_MESSAGE_INTERVAL, 4, 0.62)  # not streamed by this vehicle: go on
+    assert vehicle.commands() == [(MAV_CMD_SET_MESSAGE_INTERVAL, 4000.0, 1)]
+    vehicle.acknowledges(MAV_CMD_SET_MESSAGE_INTERVAL, 0, 0.61)
+    assert vehicle.commands() == [(MAV_CMD_SET_MESSAGE_INTERVAL, 50000.0, 0)]
+    vehicle.acknowledges(MAV_CMD_SET_MESSAGE_INTERVAL, 4, 0.62)  # not streamed by this vehicle: go on
     link.on_timer(1.3)
     assert vehicle.commands() == []
 
@@ -86,7 +87,7 @@ def test_streams_are_asked_for_one_by_one_until_answered() -> None:
 def ready(link: wire.Link) -> Peer:
     vehicle = Peer(link)
     vehicle.heartbeat(0.0)
-    vehicle.acknowledges(requests.REQUEST_MESSAGE, 0, 0.01)
+    vehicle.acknowledges(MAV_CMD_REQUEST_MESSAGE, 0, 0.01)
     vehicle.hears()
     return vehicle
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from companion.config.syntax.document import Document
 from companion.config.syntax.faults import ConfigError, Fault, Key
-from companion.plans.items import AMSL_FRAMES, WAYPOINT, Item, Plan
+from companion.mavlink_common import MAV_CMD_NAV_WAYPOINT
+from companion.plans.items import AMSL_FRAMES, Item, Plan
 
 FAULTS_MAX = 50
 
@@ -47,7 +48,12 @@ def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
     home = None
     notes: tuple[str, ...] = ()
     first = items[0] if items else None
-    if header[2] == "110" and first is not None and first.command == WAYPOINT and first.frame in AMSL_FRAMES:
+    if (
+        header[2] == "110"
+        and first is not None
+        and first.command == MAV_CMD_NAV_WAYPOINT
+        and first.frame in AMSL_FRAMES
+    ):
         place = (first.params[4], first.params[5], first.params[6])
         home = place if place[:2] != (0.0, 0.0) and all(map(math.isfinite, place)) else None
         notes = ("the first line is taken for home, as QGroundControl does",)

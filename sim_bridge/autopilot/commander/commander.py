@@ -6,11 +6,11 @@ first stays, so that offboard comes back by itself when its setpoints do, until 
 
 from __future__ import annotations
 
-import enum
 import math
 from typing import NamedTuple
 
 from companion.mavlink.modes import Mode
+from companion.mavlink_common import MavResult, MavSeverity
 from sim_bridge.autopilot.commander.failsafe import (
     MODE_FROM_ACTION,
     Action,
@@ -49,32 +49,10 @@ HOLD_WITHOUT_A_FAILSAFE = 7
 TITLES = {Mode.RETURN: "Return", Mode.LAND: "Land", Mode.HOLD: "Hold", Mode.POSITION: "Position"}
 
 
-class Result(enum.IntEnum):
-    """MAV_RESULT of a command."""
-
-    ACCEPTED = 0
-    TEMPORARILY_REJECTED = 1
-    DENIED = 2
-    UNSUPPORTED = 3
-    FAILED = 4
-    IN_PROGRESS = 5
-    CANCELLED = 6
-    UNSUPPORTED_FRAME = 9
-
-
-class Severity(enum.IntEnum):
-    """MAV_SEVERITY of a text."""
-
-    EMERGENCY = 0
-    CRITICAL = 2
-    WARNING = 4
-    INFO = 6
-
-
 class Text(NamedTuple):
     """A text for the operator."""
 
-    severity: Severity
+    severity: MavSeverity
     text: str
 
 
@@ -136,7 +114,7 @@ class Commander:
         outside = self.failsafe_flags.geofence_breached and self._parameters["GF_ACTION"]
         return self.can_run(self.mode, t) and self.mode not in ENDING and not (unreachable or kept or outside)
 
-    def say(self, severity: Severity, text: str) -> None:
+    def say(self, severity: MavSeverity, text: str) -> None:
         """Queue a text for the operator."""
         self.texts.append(Text(severity, text))
 
@@ -146,7 +124,7 @@ class Commander:
         self._at_arming.since = -math.inf
         self.armed, self.landed, self.has_flown = True, False, True
 
-    def request_mode(self, mode: Mode, t: float, aloud: bool = True) -> Result:
+    def request_mode(self, mode: Mode, t: float, aloud: bool = True) -> MavResult:
         """Somebody asks for a mode. On the ground any is taken: the refusal then comes at arming.
 
         ``aloud``: a refusal is told in words.
@@ -155,31 +133,31 @@ class Commander:
         if terminated or (self.armed and not self.can_run(mode, t)):
             name = TITLES.get(mode, mode.name.replace("_", " ").title())
             if aloud:
-                self.say(Severity.CRITICAL, f"Switching to {name} is currently not available\t")
-            return Result.TEMPORARILY_REJECTED
+                self.say(MavSeverity.CRITICAL, f"Switching to {name} is currently not available\t")
+            return MavResult.TEMPORARILY_REJECTED
         self._requested = True
         self._change_user_intended_mode(mode)
         self.update(t)
-        return Result.ACCEPTED
+        return MavResult.ACCEPTED
 
-    def request_arming(self, arm: bool, force: bool, t: float, by: str = "external command") -> Result:
+    def request_arming(self, arm: bool, force: bool, t: float, by: str = "external command") -> MavResult:
         """Somebody asks to arm or disarm. ``by``: how they ask."""
         if arm == self.armed:
-            return Result.ACCEPTED
+            return MavResult.ACCEPTED
         if arm:
             if not force and not self._may_arm(t):
-                return Result.TEMPORARILY_REJECTED
+                return MavResult.TEMPORARILY_REJECTED
             self.armed, self.armed_at, self.has_flown = True, t, not self.landed
             self.failsafe_flags.offboard_control_signal_lost = self.mode is Mode.OFFBOARD and not self.can_run(
                 Mode.OFFBOARD, t
             )
-            self.say(Severity.INFO, f"Armed by {by}\t")
-            return Result.ACCEPTED
+            self.say(MavSeverity.INFO, f"Armed by {by}\t")
+            return MavResult.ACCEPTED
         if not self.landed and not force:
-            self.say(Severity.CRITICAL, "Disarming denied: not landed\t")
-            return Result.TEMPORARILY_REJECTED
+            self.say(MavSeverity.CRITICAL, "Disarming denied: not landed\t")
+            return MavResult.TEMPORARILY_REJECTED
         self._disarm("external command")
-        return Result.ACCEPTED
+        return MavResult.ACCEPTED
 
     def sticks_moved(self, t: float) -> None:
         """The pilot moves the sticks with intent: he takes over from whatever flies by itself."""
@@ -188,7 +166,7 @@ class Commander:
         if self._failsafe.is_acting:
             self._look(t, rc_sticks_takeover_request=True)
         elif self.can_run(Mode.POSITION, t):
-            self.say(Severity.INFO, "Pilot took over using sticks\t")
+            self.say(MavSeverity.INFO, "Pilot took over using sticks\t")
             self.request_mode(Mode.POSITION, t)
 
     def takeoff_is_over(self) -> None:
@@ -212,10 +190,10 @@ class Commander:
         self.landed = landed
         if landed:
             self.landed_at = t
-            self.say(Severity.INFO, "Landing detected\t")
+            self.say(MavSeverity.INFO, "Landing detected\t")
         else:
             self.has_flown = True
-            self.say(Severity.INFO, "Takeoff detected\t")
+            self.say(MavSeverity.INFO, "Takeoff detected\t")
 
     def update(self, t: float) -> None:
         """Look at the clock and at the facts: what is lost or back, automatic disarming."""
@@ -256,7 +234,7 @@ class Commander:
         if verdict.user_intended_mode is not self.user_intended_mode:
             self._change_user_intended_mode(verdict.user_intended_mode)
         if verdict.text is not None:
-            self.say(Severity.CRITICAL, verdict.text)
+            self.say(MavSeverity.CRITICAL, verdict.text)
         if self._failsafe.action is Action.DISARM:
             self._disarm("failsafe")
 
@@ -283,7 +261,7 @@ class Commander:
         self._sticks_were_lost = lost
         just_lost = lost and not before and self.armed and self.mode in MANUAL
         if just_lost and int(self._parameters["NAV_RCL_ACT"]) == HOLD_WITHOUT_A_FAILSAFE:
-            self.say(Severity.INFO, "Manual control lost: switching to Hold\t")
+            self.say(MavSeverity.INFO, "Manual control lost: switching to Hold\t")
             self._requested = True
             self._change_user_intended_mode(Mode.HOLD)
 
@@ -298,10 +276,10 @@ class Commander:
         if self.mode in MANUAL and not self.failsafe_flags.manual_control_signal_lost:
             climbs = self.mode in (Mode.POSITION, Mode.POSITION_SLOW, Mode.ALTITUDE, Mode.ALTITUDE_CRUISE)
             if self.throttle > 0.2 if climbs else self.throttle >= -0.8:
-                self.say(Severity.CRITICAL, "Arming denied: throttle not in safe position\t")
+                self.say(MavSeverity.CRITICAL, "Arming denied: throttle not in safe position\t")
                 return False
         if not self.can_arm(t):
-            self.say(Severity.CRITICAL, "Arming denied: Resolve system health failures first\t")
+            self.say(MavSeverity.CRITICAL, "Arming denied: Resolve system health failures first\t")
             return False
         return True
 
@@ -315,4 +293,4 @@ class Commander:
     def _disarm(self, why: str) -> None:
         self.armed = False
         self.user_intended_mode = self._after_disarming
-        self.say(Severity.INFO, f"Disarmed by {why}\t")
+        self.say(MavSeverity.INFO, f"Disarmed by {why}\t")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from sim_bridge.autopilot.commander.commander import Commander, Severity
+from companion.mavlink_common import MAV_TYPE_GCS, MAV_TYPE_ONBOARD_CONTROLLER, MavSeverity
+from sim_bridge.autopilot.commander.commander import Commander
 from sim_bridge.autopilot.parameters import Parameters
 
-GROUND_STATION, COMPANION = 6, 18  # MAV_TYPE_GCS, MAV_TYPE_ONBOARD_CONTROLLER
 COMPANION_LOST_AFTER = 5.0
 
 
@@ -20,23 +20,23 @@ class Contacts:
 
     def heard(self, kind: int, t: float) -> None:
         """A heartbeat of a MAV_TYPE at ``t`` (s)."""
-        if kind not in (GROUND_STATION, COMPANION):
+        if kind not in (MAV_TYPE_GCS, MAV_TYPE_ONBOARD_CONTROLLER):
             return
         if kind in self._lost:
             self._lost.discard(kind)
-            name = "GCS connection" if kind == GROUND_STATION else "Onboard controller"
-            self._commander.say(Severity.INFO, f"{name} regained\t")
+            name = "GCS connection" if kind == MAV_TYPE_GCS else "Onboard controller"
+            self._commander.say(MavSeverity.INFO, f"{name} regained\t")
         self._heard[kind] = t
-        if kind == GROUND_STATION:
+        if kind == MAV_TYPE_GCS:
             self._commander.failsafe_flags.gcs_connection_lost = False
 
     def update(self, t: float) -> None:
         """Look at the clock."""
-        if self._is_silent(GROUND_STATION, t, self._parameters["COM_DL_LOSS_T"]):
+        if self._is_silent(MAV_TYPE_GCS, t, self._parameters["COM_DL_LOSS_T"]):
             self._commander.failsafe_flags.gcs_connection_lost = True
-            self._commander.say(Severity.INFO, "Connection to ground station lost\t")
-        if self._is_silent(COMPANION, t, COMPANION_LOST_AFTER):
-            self._commander.say(Severity.CRITICAL, "Connection to mission computer lost\t")
+            self._commander.say(MavSeverity.INFO, "Connection to ground station lost\t")
+        if self._is_silent(MAV_TYPE_ONBOARD_CONTROLLER, t, COMPANION_LOST_AFTER):
+            self._commander.say(MavSeverity.CRITICAL, "Connection to mission computer lost\t")
 
     def _is_silent(self, kind: int, t: float, limit: float) -> bool:
         """Whether one that was heard has just been silent for too long."""

@@ -14,7 +14,8 @@ from typing import NamedTuple
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.commander.commander import Severity, Text
+from companion.mavlink_common import MavSeverity
+from sim_bridge.autopilot.commander.commander import Text
 
 EVENT, SEQUENCE = message("EVENT"), message("CURRENT_EVENT_SEQUENCE")
 REQUEST, MISSING = message("REQUEST_EVENT"), message("RESPONSE_EVENT_ERROR")
@@ -88,7 +89,7 @@ class Events:
         if found is None:
             return
         level = text.severity.value
-        internal = Severity.INFO.value if text.severity is Severity.CRITICAL else level
+        internal = MavSeverity.INFO.value if text.severity is MavSeverity.CRITICAL else level
         levels = LEVELS.get(found[0], internal << 4 | level)
         self.keep(found[0], levels, found[1], time_us)
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from companion.mavlink.modes import Mode
+from companion.mavlink_common import MavSeverity
 from sim_bridge.autopilot.commander.battery import ChargeState
-from sim_bridge.autopilot.commander.commander import Severity, Text
+from sim_bridge.autopilot.commander.commander import Text
 from sim_bridge.autopilot.commander.health_report import Known
 from sim_bridge.autopilot.flight_modes.setpoints import MotorDemand, RateDemand
 
@@ -14,9 +15,9 @@ if TYPE_CHECKING:
     from sim_bridge.autopilot.autopilot import Autopilot
 
 LOW_BATTERY = {
-    ChargeState.LOW: Text(Severity.CRITICAL, "Low battery\t"),
-    ChargeState.CRITICAL: Text(Severity.CRITICAL, "Critical battery\t"),
-    ChargeState.EMERGENCY: Text(Severity.EMERGENCY, "Emergency battery level\t"),
+    ChargeState.LOW: Text(MavSeverity.CRITICAL, "Low battery\t"),
+    ChargeState.CRITICAL: Text(MavSeverity.CRITICAL, "Critical battery\t"),
+    ChargeState.EMERGENCY: Text(MavSeverity.EMERGENCY, "Emergency battery level\t"),
 }
 
 

@@ -6,7 +6,8 @@ import math
 
 from companion.frames import Vec3
 from companion.geodesy import MapProjection
-from sim_bridge.autopilot.commander.commander import Commander, Severity
+from companion.mavlink_common import MavSeverity
+from sim_bridge.autopilot.commander.commander import Commander
 from sim_bridge.autopilot.missions.fence import Area, allowed, areas_of
 from sim_bridge.autopilot.missions.store import Kind, Store
 from sim_bridge.autopilot.parameters import Parameters
@@ -42,7 +43,7 @@ class FenceWatch:
         self._look_at = t + PERIOD
         broken = frozenset() if not self._parameters["GF_ACTION"] else self.broken_at(place, home_n)
         for what in sorted(broken - self._broken):
-            self._commander.say(Severity.CRITICAL, TEXTS[what])
+            self._commander.say(MavSeverity.CRITICAL, TEXTS[what])
         self._broken = broken
         self._commander.failsafe_flags.geofence_breached = bool(broken)
 
@@ -65,10 +66,10 @@ class FenceWatch:
         kept = []
         for area in areas_of(self._store.items[Kind.FENCE], self._projection.project):
             if home_n is not None and not area.allows(home_n[:2]):
-                self._commander.say(Severity.CRITICAL, "Geofence invalid, doesn't contain Home position\t")
+                self._commander.say(MavSeverity.CRITICAL, "Geofence invalid, doesn't contain Home position\t")
             elif self._parameters["GF_ACTION"] and not self._commander.landed and not area.allows(place[:2]):
                 text = "Geofence invalid, doesn't contain current vehicle position\t"
-                self._commander.say(Severity.CRITICAL, text)
+                self._commander.say(MavSeverity.CRITICAL, text)
             else:
                 kept.append(area)
         self._areas = tuple(kept)

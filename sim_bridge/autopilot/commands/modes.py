@@ -5,14 +5,24 @@ from __future__ import annotations
 import math
 
 from companion.mavlink.modes import Mode
+from companion.mavlink_common import (
+    MAV_CMD_COMPONENT_ARM_DISARM,
+    MAV_CMD_DO_FLIGHTTERMINATION,
+    MAV_CMD_DO_ORBIT,
+    MAV_CMD_DO_SET_MODE,
+    MAV_CMD_DO_SET_STANDARD_MODE,
+    MAV_CMD_NAV_LAND,
+    MAV_CMD_NAV_LAND_LOCAL,
+    MAV_CMD_NAV_RETURN_TO_LAUNCH,
+    MAV_CMD_NAV_TAKEOFF,
+    MavResult,
+    MavSeverity,
+)
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander.commander import FORCE, Result, Severity
+from sim_bridge.autopilot.commander.commander import FORCE
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, byte, whole
 from sim_bridge.autopilot.flight_modes.guidance import TakeOff
 from sim_bridge.autopilot.flight_modes.orbit import ordered
-
-RETURN_TO_LAUNCH, LAND, TAKEOFF, PRECISION_LAND, ORBIT = 20, 21, 22, 23, 34  # MAV_CMD_NAV_* and DO_ORBIT
-SET_MODE, FLIGHT_TERMINATION, SET_STANDARD_MODE, ARM_DISARM = 176, 185, 262, 400
 
 CUSTOM, AUTO, GUIDED, STABILIZE, MANUAL_INPUT = 0x01, 0x04, 0x08, 0x10, 0x40  # MAV_MODE_FLAG
 ANY_SUB = {
@@ -49,35 +59,35 @@ def mode_asked(base: int, main: int, sub: int) -> Mode | str:
     return ANY_SUB.get(main, "Unsupported main mode\t")
 
 
-def set_mode(base: int, main: int, sub: int, autopilot: Autopilot, aloud: bool) -> Result:
+def set_mode(base: int, main: int, sub: int, autopilot: Autopilot, aloud: bool) -> MavResult:
     """A change of mode, from a command or the old message. ``aloud``: a refusal is told in words."""
     mode = mode_asked(base, main, sub)
     if isinstance(mode, str):
-        autopilot.commander.say(Severity.CRITICAL, mode)
-        return Result.TEMPORARILY_REJECTED
+        autopilot.commander.say(MavSeverity.CRITICAL, mode)
+        return MavResult.TEMPORARILY_REJECTED
     return autopilot.request_mode(mode, aloud=aloud)
 
 
-def _set_mode(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+def _set_mode(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     base, main, sub = map(byte, command.parameters[:3])
     return set_mode(base, main, sub, autopilot, command.is_operators)
 
 
-def _set_standard_mode(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+def _set_standard_mode(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     mode = STANDARD.get(whole(command.parameters[0]))
-    return Result.FAILED if mode is None else autopilot.request_mode(mode, aloud=False)
+    return MavResult.FAILED if mode is None else autopilot.request_mode(mode, aloud=False)
 
 
-def _arm_disarm(command: Command, autopilot: Autopilot, wire: Wire) -> Result | None:
+def _arm_disarm(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult | None:
     action = whole(command.parameters[0])
     if action not in (0, 1):
-        autopilot.commander.say(Severity.CRITICAL, f"Unsupported ARM_DISARM param: {command.parameters[0]:.3f}\t")
+        autopilot.commander.say(MavSeverity.CRITICAL, f"Unsupported ARM_DISARM param: {command.parameters[0]:.3f}\t")
         return None
     force = action == 0 and whole(command.parameters[1]) == FORCE  # nobody outside arms by force
     return autopilot.commander.request_arming(action == 1, force, autopilot.t)
 
 
-def _take_off(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+def _take_off(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     """Over a place, to an altitude above the sea; what is not a number stays as it is, or is PX4's default."""
     latitude, longitude, altitude = command.parameters[4:]
     level = None
@@ -86,35 +96,35 @@ def _take_off(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
     return autopilot.take_off(TakeOff(level, autopilot.home.altitude - altitude if math.isfinite(altitude) else None))
 
 
-def _land(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+def _land(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     return _announced(Mode.LAND, "Landing at current position\t", autopilot)
 
 
-def _land_precisely(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+def _land_precisely(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     return _announced(Mode.PRECISION_LAND, "Precision landing\t", autopilot)
 
 
-def _return(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+def _return(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     return _announced(Mode.RETURN, "Returning to launch\t", autopilot)
 
 
-def _announced(mode: Mode, text: str, autopilot: Autopilot) -> Result:
+def _announced(mode: Mode, text: str, autopilot: Autopilot) -> MavResult:
     """Change to ``mode`` and say so, before whatever the mode itself says."""
     commander = autopilot.commander
     before = len(commander.texts)
     result = autopilot.request_mode(mode)
-    if result is Result.ACCEPTED:
+    if result is MavResult.ACCEPTED:
         said, commander.texts[before:] = commander.texts[before:], []
-        commander.say(Severity.INFO, text)
+        commander.say(MavSeverity.INFO, text)
         commander.texts += said
     return result
 
 
-def _orbit(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+def _orbit(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     radius, speed, nose, _, latitude, longitude, altitude = command.parameters
     result = autopilot.request_mode(Mode.ORBIT, aloud=False)
-    if result is not Result.ACCEPTED:
-        autopilot.commander.say(Severity.CRITICAL, "Orbit command rejected")
+    if result is not MavResult.ACCEPTED:
+        autopilot.commander.say(MavSeverity.CRITICAL, "Orbit command rejected")
         return result
     now, guidance = autopilot.estimate, autopilot.guidance
     centre = None
@@ -124,26 +134,26 @@ def _orbit(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
     most = autopilot.parameters["MC_ORBIT_RAD_MAX"]
     orbit = ordered(guidance.orbit, (radius, speed, nose), centre, now, most)
     if orbit is None:
-        autopilot.commander.say(Severity.CRITICAL, "Orbit radius limit exceeded\t")
+        autopilot.commander.say(MavSeverity.CRITICAL, "Orbit radius limit exceeded\t")
     else:
         guidance.orbit = orbit
     return result
 
 
-def _terminate(command: Command, autopilot: Autopilot, wire: Wire) -> Result:
+def _terminate(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     if not command.parameters[0] > 0.5 or not autopilot.commander.armed:
-        return Result.DENIED
+        return MavResult.DENIED
     return autopilot.request_mode(Mode.TERMINATION, aloud=False)
 
 
 HANDLERS: dict[int, Handler] = {
-    RETURN_TO_LAUNCH: _return,
-    LAND: _land,
-    TAKEOFF: _take_off,
-    PRECISION_LAND: _land_precisely,
-    ORBIT: _orbit,
-    SET_MODE: _set_mode,
-    FLIGHT_TERMINATION: _terminate,
-    SET_STANDARD_MODE: _set_standard_mode,
-    ARM_DISARM: _arm_disarm,
+    MAV_CMD_NAV_RETURN_TO_LAUNCH: _return,
+    MAV_CMD_NAV_LAND: _land,
+    MAV_CMD_NAV_TAKEOFF: _take_off,
+    MAV_CMD_NAV_LAND_LOCAL: _land_precisely,
+    MAV_CMD_DO_ORBIT: _orbit,
+    MAV_CMD_DO_SET_MODE: _set_mode,
+    MAV_CMD_DO_FLIGHTTERMINATION: _terminate,
+    MAV_CMD_DO_SET_STANDARD_MODE: _set_standard_mode,
+    MAV_CMD_COMPONENT_ARM_DISARM: _arm_disarm,
 }

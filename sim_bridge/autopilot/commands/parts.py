@@ -6,10 +6,9 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
+from companion.mavlink_common import MAV_COMP_ID_MISSIONPLANNER, MavResult
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commander.commander import Result
 
-GROUND_STATION_COMPONENT = 190  # MAV_COMP_ID_MISSIONPLANNER
 NOT_GIVEN = 2**31 - 1
 """What COMMAND_INT says for a coordinate that is not given."""
 _CAST_LOW, _CAST_HIGH = 2.0**31 - 128.0, 2.0**31 + 256.0
@@ -27,7 +26,7 @@ class Command(NamedTuple):
     @property
     def is_operators(self) -> bool:
         """Whether a ground station sent it: only such a one is told in words why a mode was refused."""
-        return self.component == GROUND_STATION_COMPONENT
+        return self.component == MAV_COMP_ID_MISSIONPLANNER
 
 
 class Wire(Protocol):
@@ -43,7 +42,7 @@ class Wire(Protocol):
         """Change a stream's interval. False: it cannot be."""
 
 
-Handler = Callable[[Command, Autopilot, Wire], Result | None]
+Handler = Callable[[Command, Autopilot, Wire], MavResult | None]
 
 
 def is_integer_max(value: float) -> bool:

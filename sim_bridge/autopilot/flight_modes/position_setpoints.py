@@ -13,10 +13,16 @@ from dataclasses import dataclass
 from companion.frames import Matrix3, Quaternion, Vec3, euler_from_rotation, rotation_matrix, to_world
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Value, message
+from companion.mavlink_common import (
+    MAV_FRAME_BODY_NED,
+    MAV_FRAME_GLOBAL_INT,
+    MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+    MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
+    MAV_FRAME_LOCAL_NED,
+)
 from sim_bridge.control.position import NOTHING, Axes
 
 LOCAL, GLOBAL = message("SET_POSITION_TARGET_LOCAL_NED"), message("SET_POSITION_TARGET_GLOBAL_INT")
-LOCAL_NED, BODY_NED, GLOBAL_INT, GLOBAL_RELATIVE_INT, GLOBAL_TERRAIN_INT = 1, 8, 5, 6, 11  # MAV_FRAME
 FORCE, IGNORE_HEADING, IGNORE_HEADING_RATE = 1 << 9, 1 << 10, 1 << 11
 FARTHEST = 1e6
 """m, m/s, m/s^2: nothing beyond is arithmetic worth doing."""
@@ -59,11 +65,11 @@ def local_target(frame: Frame, q_nb: Quaternion) -> PositionDemand | str:
     position, velocity, acceleration = (
         _axes(said, names, mask >> shift) for names, shift in (("x y z", 0), ("vx vy vz", 3), ("afx afy afz", 6))
     )
-    if kind == BODY_NED:
+    if kind == MAV_FRAME_BODY_NED:
         position = NOTHING
         velocity = _turned(velocity, said, "vx vy vz", mask >> 3, _level_only(q_nb))
         acceleration = _turned(acceleration, said, "afx afy afz", mask >> 6, rotation_matrix(q_nb))
-    elif kind != LOCAL_NED:
+    elif kind != MAV_FRAME_LOCAL_NED:
         return f"SET_POSITION_TARGET_LOCAL_NED coordinate frame {kind} unsupported\t"
     if position == velocity == acceleration == NOTHING:
         return "SET_POSITION_TARGET_LOCAL_NED invalid\t"
@@ -83,7 +89,7 @@ def global_target(
     mask, kind = said["type_mask"], said["coordinate_frame"]
     position: Axes = NOTHING
     if not mask & 7:
-        if kind not in (GLOBAL_INT, GLOBAL_RELATIVE_INT, GLOBAL_TERRAIN_INT):
+        if kind not in (MAV_FRAME_GLOBAL_INT, MAV_FRAME_GLOBAL_RELATIVE_ALT_INT, MAV_FRAME_GLOBAL_TERRAIN_ALT_INT):
             return f"SET_POSITION_TARGET_GLOBAL_INT invalid coordinate frame {kind}\t"
         place = place_of(said["lat_int"] * 1e-7, said["lon_int"] * 1e-7, said["alt"], kind)
         if place is None:

@@ -7,11 +7,17 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink_common import (
+    MAV_CMD_DO_SET_MODE,
+    MAV_COMP_ID_MISSIONPLANNER,
+    MAV_TYPE_GCS,
+    MavResult,
+    MavSeverity,
+)
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import events
-from sim_bridge.autopilot.commander.commander import Result, Severity, Text
-from sim_bridge.autopilot.commands import SET_MODE, Command, execute, is_integer_max, place_given, set_mode, stray
-from sim_bridge.autopilot.commands.parts import GROUND_STATION_COMPONENT
+from sim_bridge.autopilot.commander.commander import Text
+from sim_bridge.autopilot.commands import Command, execute, is_integer_max, place_given, set_mode, stray
 from sim_bridge.autopilot.flight_modes import position_setpoints
 from sim_bridge.autopilot.flight_modes.manual_control import MANUAL_CONTROL, deflection
 from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
@@ -26,7 +32,6 @@ from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
 from sim_bridge.autopilot.missions.protocol import MissionLink
 
 SYSTEM, COMPONENT = 1, 1
-GROUND_STATION = 6  # MAV_TYPE_GCS
 HEARD_FOR_US = 2_500_000
 """us after its last heartbeat for which a ground station counts as listening."""
 TEXT_SIZE = 50
@@ -210,20 +215,20 @@ class Link:
             rx_parse_err=counters.bad_crc & 0xFFFF,
         )
 
-    def _acknowledge(self, command: int, result: Result, frame: Frame) -> None:
+    def _acknowledge(self, command: int, result: MavResult, frame: Frame) -> None:
         self.emit(_ACK, (command, result.value, 0, 0, frame.system, frame.component))
 
     def _command_long(self, frame: Frame) -> None:
         a, b, c, d, e, f, g, command, system, component, _ = frame.values
         if is_integer_max(e) and is_integer_max(f):
-            self._acknowledge(command, Result.DENIED, frame)
+            self._acknowledge(command, MavResult.DENIED, frame)
         elif _for_us(system, component):
             self._execute(command, (a, b, c, d, e, f, g), frame)
 
     def _command_int(self, frame: Frame) -> None:
         a, b, c, d, x, y, z, command, system, component, kind, *_ = frame.values
         if x == y == NAN_CAST:
-            self._acknowledge(command, Result.DENIED, frame)
+            self._acknowledge(command, MavResult.DENIED, frame)
         elif _for_us(system, component):
             self._execute(command, (a, b, c, d, *place_given(command, kind, x, y), z), frame)
 
@@ -233,7 +238,7 @@ class Link:
         if (frame.system, frame.component) == (SYSTEM, COMPONENT) and command not in KNOWN_TO_THE_LINK:
             return  # PX4 takes no orders from itself
         if stray(command, parameters):
-            self._acknowledge(command, Result.DENIED, frame)
+            self._acknowledge(command, MavResult.DENIED, frame)
             return
         result = execute(Command(command, parameters, frame.system, frame.component), self._autopilot, self)
         if result is not None:
@@ -242,14 +247,14 @@ class Link:
     def _set_mode(self, frame: Frame) -> None:
         custom, system, base = frame.values
         if system in (0, SYSTEM):
-            aloud = frame.component == GROUND_STATION_COMPONENT
+            aloud = frame.component == MAV_COMP_ID_MISSIONPLANNER
             result = set_mode(base, custom >> 16 & 0xFF, custom >> 24, self._autopilot, aloud)
-            self._acknowledge(SET_MODE, result, frame)
+            self._acknowledge(MAV_CMD_DO_SET_MODE, result, frame)
 
     def _heartbeat(self, frame: Frame) -> None:
         kind = frame.values[1]
         self._autopilot.contacts.heard(kind, self._autopilot.t)
-        if kind == GROUND_STATION:
+        if kind == MAV_TYPE_GCS:
             self._ground_station_until_us = self._now_us + HEARD_FOR_US
 
     def _ping(self, frame: Frame) -> None:
@@ -283,7 +288,7 @@ class Link:
 
     def _take_place(self, demand: PositionDemand | str | None) -> None:
         if isinstance(demand, str):
-            self._autopilot.commander.say(Severity.CRITICAL, demand)
+            self._autopilot.commander.say(MavSeverity.CRITICAL, demand)
         elif demand is not None:
             self._autopilot.offboard(demand)
 

@@ -6,6 +6,7 @@ import math
 
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
+from companion.mavlink_common import MAV_FRAME_GLOBAL_INT, MAV_FRAME_LOCAL_NED
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.flight_modes.setpoints import AttitudeDemand, MotorDemand, RateDemand
 from sim_bridge.autopilot.messages.parts import (
@@ -24,7 +25,6 @@ MOTOR_OFF = 900
 """What SERVO_OUTPUT_RAW tells of a motor that is disarmed or not there, us of a servo pulse."""
 IDLE_THRUST = 0.001
 FULL_SPEED_RPM = 10_000.0
-LOCAL_NED, GLOBAL_INT = 1, 5  # MAV_FRAME
 BY_STICK = (2, 3)
 """Main modes that a pilot flies through the position loop."""
 ONLINE = 15
@@ -55,10 +55,10 @@ def position_target_local_ned(a: Autopilot) -> Values | None:
     time_ms = a.estimate.time_us // 1000
     target = _target(a)
     if a.commander.landed or not a.commander.armed or target is None:
-        return (time_ms, *_FALLING, heading_of(a.estimate.q_nb), 0.0, 63, LOCAL_NED)
+        return (time_ms, *_FALLING, heading_of(a.estimate.q_nb), 0.0, 63, MAV_FRAME_LOCAL_NED)
     values = _numbers(target)
     mask = sum(1 << i for i, value in enumerate(values[:9]) if math.isnan(value))
-    return (time_ms, *values, mask, LOCAL_NED)
+    return (time_ms, *values, mask, MAV_FRAME_LOCAL_NED)
 
 
 def position_target_global_int(a: Autopilot) -> Values | None:
@@ -69,7 +69,7 @@ def position_target_global_int(a: Autopilot) -> Values | None:
     latitude, longitude = degrees_e7(*a.projection.reproject(place[0], place[1]))
     _, _, _, *rest = _numbers(target)
     altitude = a.home.altitude - place[2]
-    return (a.estimate.time_us // 1000, latitude, longitude, altitude, *rest, 0, GLOBAL_INT)
+    return (a.estimate.time_us // 1000, latitude, longitude, altitude, *rest, 0, MAV_FRAME_GLOBAL_INT)
 
 
 def _target(a: Autopilot) -> Target | None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from sim_bridge.autopilot.missions.items import RELATIVE, Command, Item
+from companion.mavlink_common import MAV_CMD_NAV_LAND, MAV_CMD_NAV_TAKEOFF, MAV_FRAME_GLOBAL_RELATIVE_ALT
+from sim_bridge.autopilot.missions.items import Item
 
 VTOL = {84, 85, 3000}
 
@@ -27,10 +28,10 @@ def fault_of(
         return "Not yet ready for mission, no position lock.\t"
     found_place = False
     for number, item in enumerate(items, 1):
-        if item.command == Command.LAND and number == 1 and landed:
+        if item.command == MAV_CMD_NAV_LAND and number == 1 and landed:
             return "Mission rejected: starts with landing"
-        if item.command == Command.TAKEOFF:
-            if altitude_of(item, 0.0) - (0.0 if item.frame == RELATIVE else home_altitude) < 1e-6:
+        if item.command == MAV_CMD_NAV_TAKEOFF:
+            if altitude_of(item, 0.0) - (0.0 if item.frame == MAV_FRAME_GLOBAL_RELATIVE_ALT else home_altitude) < 1e-6:
                 return "Mission rejected: Takeoff altitude below home altitude!"
             if found_place:
                 return "Mission rejected: takeoff not first waypoint item"
@@ -46,4 +47,4 @@ def fault_of(
 def altitude_of(item: Item, home_altitude: float) -> float:
     """m above the sea."""
     height = item.z if math.isfinite(item.z) else 0.0
-    return height + home_altitude if item.frame == RELATIVE else height
+    return height + home_altitude if item.frame == MAV_FRAME_GLOBAL_RELATIVE_ALT else height

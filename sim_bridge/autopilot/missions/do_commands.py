@@ -6,8 +6,17 @@ import math
 from typing import TYPE_CHECKING
 
 from companion.mavlink.modes import Mode
+from companion.mavlink_common import (
+    MAV_CMD_DO_CHANGE_SPEED,
+    MAV_CMD_DO_SET_HOME,
+    MAV_CMD_DO_SET_ROI,
+    MAV_CMD_DO_SET_ROI_LOCATION,
+    MAV_CMD_DO_SET_ROI_NONE,
+    MAV_CMD_NAV_RETURN_TO_LAUNCH,
+    MAV_CMD_NAV_ROI,
+)
 from sim_bridge.autopilot.missions.checks import altitude_of
-from sim_bridge.autopilot.missions.items import Command, Item
+from sim_bridge.autopilot.missions.items import Item
 
 if TYPE_CHECKING:
     from sim_bridge.autopilot.autopilot import Autopilot
@@ -19,15 +28,17 @@ USE_HERE = 0.5
 def carry_out(item: Item, autopilot: Autopilot) -> None:
     """Do what an item says, as far as this vehicle can: cameras and mounts it has none."""
     command = item.command
-    if command == Command.RETURN:
+    if command == MAV_CMD_NAV_RETURN_TO_LAUNCH:
         autopilot.request_mode(Mode.RETURN)
-    elif command == Command.CHANGE_SPEED:
+    elif command == MAV_CMD_DO_CHANGE_SPEED:
         change_speed(item.params[1], autopilot)
-    elif command == Command.SET_HOME and item.params[0] > USE_HERE:
+    elif command == MAV_CMD_DO_SET_HOME and item.params[0] > USE_HERE:
         autopilot.home_position.set_home_here(autopilot.estimate)
-    elif command == Command.ROI_LOCATION or (command in (Command.ROI, Command.OLD_ROI) and _is_a_place(item)):
+    elif command == MAV_CMD_DO_SET_ROI_LOCATION or (
+        command in (MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI) and _is_a_place(item)
+    ):
         look_at(item.x, item.y, altitude_of(item, autopilot.home_altitude), autopilot)
-    elif command in (Command.ROI_NONE, Command.ROI, Command.OLD_ROI):
+    elif command in (MAV_CMD_DO_SET_ROI_NONE, MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI):
         autopilot.mission.interest = None
 
 

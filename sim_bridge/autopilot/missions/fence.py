@@ -6,7 +6,13 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from sim_bridge.autopilot.missions.items import Command, Item
+from companion.mavlink_common import (
+    MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
+    MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
+    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+)
+from sim_bridge.autopilot.missions.items import Item
 
 Place = tuple[float, float]
 
@@ -39,14 +45,14 @@ def areas_of(items: Sequence[Item], project: Callable[[float, float], Place]) ->
     at = 0
     while at < len(items):
         item = items[at]
-        if item.command in (Command.CIRCLE_INSIDE, Command.CIRCLE_OUTSIDE):
+        if item.command in (MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION):
             centre = project(item.x, item.y)
-            areas.append(Area((centre,), item.params[0], item.command == Command.CIRCLE_INSIDE))
+            areas.append(Area((centre,), item.params[0], item.command == MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION))
             at += 1
-        elif item.command in (Command.POLYGON_INSIDE, Command.POLYGON_OUTSIDE):
+        elif item.command in (MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION):
             count = max(1, int(item.params[0]))
             corners = tuple(project(corner.x, corner.y) for corner in items[at : at + count])
-            areas.append(Area(corners, None, item.command == Command.POLYGON_INSIDE))
+            areas.append(Area(corners, None, item.command == MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION))
             at += count
         else:
             at += 1

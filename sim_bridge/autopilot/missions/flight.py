@@ -10,16 +10,25 @@ from typing import NamedTuple
 
 from companion.frames import Vec3
 from companion.geodesy import MapProjection
+from companion.mavlink_common import (
+    MAV_CMD_DO_JUMP,
+    MAV_CMD_NAV_DELAY,
+    MAV_CMD_NAV_LAND,
+    MAV_CMD_NAV_LOITER_TIME,
+    MAV_CMD_NAV_LOITER_UNLIM,
+    MAV_CMD_NAV_TAKEOFF,
+    MAV_CMD_NAV_WAYPOINT,
+)
 from sim_bridge.autopilot.missions.checks import altitude_of
-from sim_bridge.autopilot.missions.items import Command, Item
+from sim_bridge.autopilot.missions.items import Item
 from sim_bridge.autopilot.missions.store import Kind, Store
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.sensors import Estimate
 
 NO_MISSION, NOT_STARTED, ACTIVE, PAUSED, COMPLETE = 1, 2, 3, 4, 5  # MISSION_STATE
 EXECUTING = "Executing Mission\t"
-_STAYS = {Command.LOITER_UNLIMITED}
-_WAITS = {Command.WAYPOINT, Command.LOITER_TIME}
+_STAYS = {MAV_CMD_NAV_LOITER_UNLIM}
+_WAITS = {MAV_CMD_NAV_WAYPOINT, MAV_CMD_NAV_LOITER_TIME}
 """Commands whose first parameter is a time (s) to spend there."""
 _JUMPS_IN_A_ROW = 10
 
@@ -146,7 +155,7 @@ class MissionFlight:
             if index >= len(self._items):
                 return False
             item = self._items[index]
-            if item.command != Command.JUMP:
+            if item.command != MAV_CMD_DO_JUMP:
                 return True
             target, repeats = int(item.params[0]), int(item.params[1])
             done = self._jumped.get(index, 0)
@@ -169,7 +178,7 @@ class MissionFlight:
         if item.has_place:
             place = self._place_of(item, now)
             below = now.p_n[2] - place[2]
-            if (climb or item.command == Command.TAKEOFF) and below > self._parameters["NAV_MC_ALT_RAD"]:
+            if (climb or item.command == MAV_CMD_NAV_TAKEOFF) and below > self._parameters["NAV_MC_ALT_RAD"]:
                 self._climbs_to = place[2]
                 height = altitude_of(item, self.home_altitude) - self.home_altitude
                 self.notes.append(f"Climb to {height:.1f} meters above home\t")
@@ -179,7 +188,7 @@ class MissionFlight:
                 self._place = place
         else:
             self._climbs_to = None
-            if item.command != Command.DELAY:
+            if item.command != MAV_CMD_NAV_DELAY:
                 self.orders.append(item)
 
     def _place_of(self, item: Item, now: Estimate) -> Vec3:
@@ -191,7 +200,7 @@ class MissionFlight:
 
     def _is_done(self, item: Item, now: Estimate, t: float, landed: bool) -> bool:
         limits = self._parameters
-        if item.command == Command.DELAY:
+        if item.command == MAV_CMD_NAV_DELAY:
             if self._arrived_at is None:
                 self._arrived_at = t
             return t - self._arrived_at >= max(0.0, item.params[0])
@@ -201,7 +210,7 @@ class MissionFlight:
             return False
         if self._climbs_to is not None:
             return not landed and now.p_n[2] - self._climbs_to < limits["NAV_MC_ALT_RAD"]
-        if item.command == Command.LAND:
+        if item.command == MAV_CMD_NAV_LAND:
             return landed and self._arrived_at is not None
         if landed or self._place is None:
             return False
@@ -221,7 +230,7 @@ class MissionFlight:
         return level <= radius and abs(now.p_n[2] - down) <= self._parameters["NAV_MC_ALT_RAD"]
 
     def _radius(self, item: Item) -> float:
-        own = item.params[1] if item.command == Command.WAYPOINT else 0.0
+        own = item.params[1] if item.command == MAV_CMD_NAV_WAYPOINT else 0.0
         return own if math.isfinite(own) and own > 0.0 else self._parameters["NAV_ACC_RAD"]
 
     def _faces_right(self, item: Item, now: Estimate) -> bool:
@@ -235,7 +244,7 @@ class MissionFlight:
 
     def _yaw(self, item: Item) -> float | None:
         """The heading an item names, rad."""
-        if item.command not in (Command.WAYPOINT, Command.LOITER_UNLIMITED, Command.LAND):
+        if item.command not in (MAV_CMD_NAV_WAYPOINT, MAV_CMD_NAV_LOITER_UNLIM, MAV_CMD_NAV_LAND):
             return None
         return math.radians(item.params[3]) if math.isfinite(item.params[3]) else None
 
@@ -246,7 +255,7 @@ class MissionFlight:
         if self._climbs_to is not None:
             return Leg(self._place, None, takes_off=True)
         heading = self._heading(item, now)
-        if item.command == Command.LAND and not self.finished and self._place is not None:
+        if item.command == MAV_CMD_NAV_LAND and not self.finished and self._place is not None:
             place = self._place
             far = math.hypot(now.p_n[0] - place[0], now.p_n[1] - place[1])
             if self._arrived_at is None and far <= self._parameters["NAV_ACC_RAD"]:
@@ -257,7 +266,7 @@ class MissionFlight:
         return Leg(self._place, heading)
 
     def _heading(self, item: Item, now: Estimate) -> float | None:
-        if self.interest is not None and item.command not in (Command.LAND, Command.TAKEOFF):
+        if self.interest is not None and item.command not in (MAV_CMD_NAV_LAND, MAV_CMD_NAV_TAKEOFF):
             north, east = self.interest[0] - now.p_n[0], self.interest[1] - now.p_n[1]
             if math.hypot(north, east) > 0.1:
                 return math.atan2(east, north)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import math
 import struct
 import zlib
@@ -10,63 +9,30 @@ from typing import NamedTuple
 
 from companion.mavlink.codec import MAGIC_V2, Frame
 from companion.mavlink.dialect import Value, message
+from companion.mavlink_common import (
+    MAV_CMD_CONDITION_DELAY,
+    MAV_CMD_DO_SET_ROI,
+    MAV_CMD_DO_SET_ROI_LOCATION,
+    MAV_CMD_NAV_DELAY,
+    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
+    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+    MAV_CMD_NAV_ROI,
+    MAV_FRAME_GLOBAL,
+    MAV_FRAME_GLOBAL_INT,
+    MAV_FRAME_GLOBAL_RELATIVE_ALT,
+    MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+    MAV_FRAME_MISSION,
+    MavMissionResult,
+)
 
 ITEM, ITEM_INT = message("MISSION_ITEM"), message("MISSION_ITEM_INT")
 Four = tuple[float, float, float, float]
 
-GLOBAL, MISSION, RELATIVE, GLOBAL_INT, RELATIVE_INT = 0, 2, 3, 5, 6  # MAV_FRAME
 NOT_GIVEN = (2**31 - 1, -(2**31))
 """What whole-number coordinates say where there is none: by the specification, and what a cast of NaN gives."""
 
 NUMBERS = 28
 """Bytes at the beginning of an item on the wire: its seven parameters."""
-
-
-class Command(enum.IntEnum):
-    """The MAV_CMD that the vehicle flies."""
-
-    WAYPOINT = 16
-    LOITER_UNLIMITED = 17
-    LOITER_TIME = 19
-    RETURN = 20
-    LAND = 21
-    TAKEOFF = 22
-    LOITER_TO_ALTITUDE = 31
-    ROI = 80
-    DELAY = 93
-    CONDITION_DELAY = 112
-    JUMP = 177
-    CHANGE_SPEED = 178
-    SET_HOME = 179
-    ROI_LOCATION = 195
-    ROI_NONE = 197
-    OLD_ROI = 201
-    GATE = 4501
-    FENCE_RETURN = 5000
-    POLYGON_INSIDE = 5001
-    POLYGON_OUTSIDE = 5002
-    CIRCLE_INSIDE = 5003
-    CIRCLE_OUTSIDE = 5004
-    RALLY = 5100
-
-
-class Answer(enum.IntEnum):
-    """MAV_MISSION_RESULT."""
-
-    ACCEPTED = 0
-    ERROR = 1
-    UNSUPPORTED_FRAME = 2
-    UNSUPPORTED = 3
-    NO_SPACE = 4
-    INVALID = 5
-    INVALID_PARAM1 = 6
-    INVALID_PARAM2 = 7
-    INVALID_PARAM3 = 8
-    INVALID_PARAM4 = 9
-    INVALID_PARAM5 = 10
-    INVALID_PARAM6 = 11
-    INVALID_PARAM7 = 12
-    CANCELLED = 15
 
 
 class Item(NamedTuple):
@@ -86,12 +52,12 @@ class Item(NamedTuple):
     @property
     def has_coordinates(self) -> bool:
         """Whether ``x`` and ``y`` are degrees."""
-        return self.frame != MISSION
+        return self.frame != MAV_FRAME_MISSION
 
     @property
     def has_place(self) -> bool:
         """Whether its coordinates are somewhere to fly to."""
-        return self.frame != MISSION and self.command in _PLACES
+        return self.frame != MAV_FRAME_MISSION and self.command in _PLACES
 
 
 _PLACES = {16, 17, 19, 21, 22, 31, 84, 85}
@@ -119,46 +85,52 @@ _FLAGS = {19: (1, 3), 31: (0, 3)}
 """Parameters that are kept as yes or no."""
 
 
-def read(frame: Frame) -> Item | Answer:
+def read(frame: Frame) -> Item | MavMissionResult:
     """The item of a MISSION_ITEM or MISSION_ITEM_INT, or what PX4 refuses it with."""
     said = frame.format.named(frame.values)
     whole = frame.format is ITEM_INT
     command, kind = said["command"], said["frame"]
     params: Four = (said["param1"], said["param2"], said["param3"], said["param4"])
     x, y, z = said["x"], said["y"], said["z"]
-    if kind in (GLOBAL, RELATIVE) or (whole and kind in (GLOBAL_INT, RELATIVE_INT)):
+    if kind in (MAV_FRAME_GLOBAL, MAV_FRAME_GLOBAL_RELATIVE_ALT) or (
+        whole and kind in (MAV_FRAME_GLOBAL_INT, MAV_FRAME_GLOBAL_RELATIVE_ALT_INT)
+    ):
         stray = _stray(command, params, (x, y) if whole else (float(x), float(y)), z, whole)
         if stray:
-            return Answer(Answer.INVALID_PARAM1 + stray - 1)
+            return MavMissionResult(MavMissionResult.INVALID_PARAM1 + stray - 1)
         if command not in _WITH_A_PLACE or (command in (80, 201) and int(_finite(params[0])) not in (0, 3)):
-            return Answer.UNSUPPORTED if command not in _WITH_A_PLACE else Answer.INVALID_PARAM1
-        stored = RELATIVE if kind in (RELATIVE, RELATIVE_INT) else GLOBAL
+            return MavMissionResult.UNSUPPORTED if command not in _WITH_A_PLACE else MavMissionResult.INVALID_PARAM1
+        stored = (
+            MAV_FRAME_GLOBAL_RELATIVE_ALT
+            if kind in (MAV_FRAME_GLOBAL_RELATIVE_ALT, MAV_FRAME_GLOBAL_RELATIVE_ALT_INT)
+            else MAV_FRAME_GLOBAL
+        )
         scale = 1e-7 if whole else 1.0
         return Item(command, stored, said["autocontinue"], _kept(command, params), x * scale, y * scale, z)
-    if kind != MISSION:
-        return Answer.UNSUPPORTED_FRAME
+    if kind != MAV_FRAME_MISSION:
+        return MavMissionResult.UNSUPPORTED_FRAME
     fifth, sixth = (math.nan if whole and value in NOT_GIVEN else float(value) for value in (x, y))
     stray = _stray(command, params, (fifth, sixth), z, False)
     if stray:
-        return Answer(Answer.INVALID_PARAM1 + stray - 1)
+        return MavMissionResult(MavMissionResult.INVALID_PARAM1 + stray - 1)
     if command not in _WITHOUT_A_PLACE:
-        return Answer.UNSUPPORTED
+        return MavMissionResult.UNSUPPORTED
     if command in (80, 201) and int(_finite(params[0])) not in (0, 1, 2):
-        return Answer.INVALID_PARAM1
-    kept = Command.DELAY if command == Command.CONDITION_DELAY else command
-    return Item(kept, MISSION, said["autocontinue"], params, _single(x), _single(y), z)
+        return MavMissionResult.INVALID_PARAM1
+    kept = MAV_CMD_NAV_DELAY if command == MAV_CMD_CONDITION_DELAY else command
+    return Item(kept, MAV_FRAME_MISSION, said["autocontinue"], params, _single(x), _single(y), z)
 
 
 def of_a_fence(item: Item) -> Item:
     """An item as it is kept in a fence, where heights and the way on mean nothing."""
-    return item._replace(frame=GLOBAL if item.has_coordinates else item.frame, autocontinue=0)
+    return item._replace(frame=MAV_FRAME_GLOBAL if item.has_coordinates else item.frame, autocontinue=0)
 
 
 def values(item: Item, whole: bool, others: dict[str, Value]) -> tuple[Value, ...]:
     """The wire values of an item. ``others``: target, seq, current and mission type."""
     frame, x, y = item.frame, item.x, item.y
-    if frame != MISSION and whole:
-        frame = RELATIVE_INT if frame == RELATIVE else GLOBAL_INT
+    if frame != MAV_FRAME_MISSION and whole:
+        frame = MAV_FRAME_GLOBAL_RELATIVE_ALT_INT if frame == MAV_FRAME_GLOBAL_RELATIVE_ALT else MAV_FRAME_GLOBAL_INT
         x, y = x * 1e7, y * 1e7
     p1, p2, p3, p4 = item.params
     return (ITEM_INT if whole else ITEM).values(
@@ -196,12 +168,12 @@ def _kept(command: int, params: Four) -> Four:
     for i in _KEEPS.get(command, ()):
         flag = i in _FLAGS.get(command, ())
         kept[i] = float(params[i] > 0.0) if flag else params[i]
-    if command in (Command.POLYGON_INSIDE, Command.POLYGON_OUTSIDE):
+    if command in (MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION):
         kept[0] = float(int(_finite(params[0]) + 0.5) & 0xFFFF)
     if command in _YAWS:
         kept[3] = params[3] % 360.0 if math.isfinite(params[3]) else math.nan
-    if command in (Command.ROI, Command.OLD_ROI, Command.ROI_LOCATION):
-        kept[0] = params[0] if command != Command.ROI_LOCATION else 0.0
+    if command in (MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI, MAV_CMD_DO_SET_ROI_LOCATION):
+        kept[0] = params[0] if command != MAV_CMD_DO_SET_ROI_LOCATION else 0.0
     return (kept[0], kept[1], kept[2], kept[3])
 
 

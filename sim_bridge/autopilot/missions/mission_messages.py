@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 from companion.mavlink.dialect import Format, Value, message
-from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, Answer, Item, values
+from companion.mavlink_common import MavMissionResult
+from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, Item, values
 from sim_bridge.autopilot.missions.store import Kind, Store
 
 ACK, COUNT, CURRENT = (message(f"MISSION_{name}") for name in ("ACK", "COUNT", "CURRENT"))
@@ -61,7 +62,7 @@ class Voice:
         others = {"seq": index, "current": int(self._store.current == index)} | _to(whom, kind)
         self._send(ITEM_INT if whole else ITEM, values(item, whole, others))
 
-    def acknowledge(self, whom: Peer, kind: int, answer: Answer, identity: int = 0) -> None:
+    def acknowledge(self, whom: Peer, kind: int, answer: MavMissionResult, identity: int = 0) -> None:
         """How it went."""
         self._send(ACK, ACK.values(type=answer.value, opaque_id=identity, **_to(whom, kind)))
 

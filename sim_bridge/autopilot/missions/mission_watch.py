@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from companion.mavlink.modes import Mode
-from sim_bridge.autopilot.commander.commander import Severity
+from companion.mavlink_common import MavSeverity
 from sim_bridge.autopilot.missions.checks import fault_of
 from sim_bridge.autopilot.missions.do_commands import carry_out
 from sim_bridge.autopilot.missions.store import Kind
@@ -33,7 +33,7 @@ def look_after(autopilot: Autopilot) -> None:
     mission.notes.clear()
     autopilot.guidance.notes.clear()
     for note in notes:
-        commander.say(Severity.INFO, note)
+        commander.say(MavSeverity.INFO, note)
     for order in orders:
         carry_out(order, autopilot)
     if not commander.armed:
@@ -56,10 +56,10 @@ def _check(autopilot: Autopilot, is_new: bool) -> None:
     )  # fmt: skip
     commander = autopilot.commander
     if items and fault is not None and fault.endswith("\t"):
-        commander.say(Severity.CRITICAL, fault)
+        commander.say(MavSeverity.CRITICAL, fault)
     if fault is not None and commander.armed and commander.mode is Mode.MISSION:
         then = "refusing takeoff" if commander.landed else "loitering"
-        commander.say(Severity.CRITICAL, f"No valid mission available, {then}\t")
+        commander.say(MavSeverity.CRITICAL, f"No valid mission available, {then}\t")
     if is_new:
         autopilot.mission.renew()
     autopilot.mission.is_valid = bool(items) and fault is None

@@ -7,17 +7,14 @@ from collections.abc import Callable, Mapping
 
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Value, message
-from sim_bridge.autopilot.commander.commander import Severity, Text
-from sim_bridge.autopilot.missions.items import (
-    ITEM,
-    ITEM_INT,
-    Answer,
-    Command,
-    Item,
-    checksum,
-    of_a_fence,
-    read,
+from companion.mavlink_common import (
+    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
+    MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+    MavMissionResult,
+    MavSeverity,
 )
+from sim_bridge.autopilot.commander.commander import Text
+from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, Item, checksum, of_a_fence, read
 from sim_bridge.autopilot.missions.mission_messages import ACK, COUNT, REQUEST, REQUEST_INT, Peer, Progress, Send, Voice
 from sim_bridge.autopilot.missions.store import ALL, MOST, Kind, Store
 
@@ -113,7 +110,7 @@ class MissionLink:
             self._state = State.IDLE  # all was sent; the acknowledgement may have been lost
         again = self._state is State.SENDING and (self._kind, self._partner) == (kind, sender)
         if self._state is not State.IDLE and not again:
-            self._say(Text(Severity.INFO, "Mission download request ignored, already active\t"))
+            self._say(Text(MavSeverity.INFO, "Mission download request ignored, already active\t"))
             return
         self._heard_us, self._state, self._kind, self._partner = self._now, State.SENDING, kind, sender
         self._expected, self._count = 0, len(self._list_of(kind))
@@ -140,7 +137,7 @@ class MissionLink:
                 self._voice.item(self._partner, self._kind, asked, items[asked], self._whole)
             else:
                 self._state = State.IDLE
-                self._acknowledge(self._partner, Answer.ERROR)
+                self._acknowledge(self._partner, MavMissionResult.ERROR)
                 self._complain("WPM: REJ. CMD: Req. WP was unexpected\t")
 
     def _acknowledged(self, frame: Frame) -> None:
@@ -152,10 +149,10 @@ class MissionLink:
         elif self._state is State.SENDING and said["mission_type"] == self._kind:
             self._state = State.IDLE
         elif self._state is State.RECEIVING:
-            if said["type"] == Answer.UNSUPPORTED:  # the partner speaks the other kind of item
+            if said["type"] == MavMissionResult.UNSUPPORTED:  # the partner speaks the other kind of item
                 self._whole = not self._whole
                 self._ask()
-            elif said["type"] == Answer.CANCELLED:
+            elif said["type"] == MavMissionResult.OPERATION_CANCELLED:
                 self._finish()
 
     def _counted(self, frame: Frame) -> None:
@@ -166,29 +163,29 @@ class MissionLink:
         if self._state is State.RECEIVING:
             self._heard_us = self._now
             if sender != self._partner:
-                self._acknowledge(sender, Answer.ERROR)
+                self._acknowledge(sender, MavMissionResult.ERROR)
             elif self._expected > 0:
                 self._complain("WPM: REJ. CMD: Busy\t")
-                self._acknowledge(sender, Answer.ERROR)
+                self._acknowledge(sender, MavMissionResult.ERROR)
             else:
                 self._ask()
             return
         if self._state is State.SENDING:
             self._complain("WPM: IGN MISSION_COUNT: Busy\t")
-            self._acknowledge(sender, Answer.ERROR)
+            self._acknowledge(sender, MavMissionResult.ERROR)
             return
         self._heard_us = self._now
         if self._store.transferring:  # on another link
-            self._acknowledge(sender, Answer.ERROR)
+            self._acknowledge(sender, MavMissionResult.ERROR)
             return
         self._partner, self._kind, self._id, self._reached = sender, said["mission_type"], 0, -1
         most = MOST[Kind(self._kind)] if self._kind in tuple(Kind) else 0
         if count > most:
-            self._acknowledge(sender, Answer.NO_SPACE)
+            self._acknowledge(sender, MavMissionResult.NO_SPACE)
         elif count == 0:
             if most:
                 self._store.clear(Kind(self._kind))
-            self._acknowledge(sender, Answer.ACCEPTED)
+            self._acknowledge(sender, MavMissionResult.ACCEPTED)
         else:
             self._state, self._store.transferring = State.RECEIVING, True
             self._expected, self._count, self._items, self._current = 0, count, [], None
@@ -202,16 +199,16 @@ class MissionLink:
         if (frame.system, frame.component) != self._partner:
             self._complain("REJ. MIS ITEM: partner id mismatch\t")
         elif said["mission_type"] != self._kind:
-            self._acknowledge(self._partner, Answer.ERROR)
+            self._acknowledge(self._partner, MavMissionResult.ERROR)
         elif self._state is State.SENDING:
             self._complain("IGN MISSION_ITEM: Busy\t")
-            self._acknowledge(self._partner, Answer.ERROR)
+            self._acknowledge(self._partner, MavMissionResult.ERROR)
         elif self._state is State.IDLE:
             if self._expected == said["seq"] + 1:  # the last one again: our acknowledgement was lost
-                self._acknowledge(self._partner, Answer.ACCEPTED, self._id)
+                self._acknowledge(self._partner, MavMissionResult.ACCEPTED, self._id)
             else:
                 self._complain("IGN MISSION_ITEM: No transfer\t")
-                self._acknowledge(self._partner, Answer.ERROR)
+                self._acknowledge(self._partner, MavMissionResult.ERROR)
         else:
             self._heard_us = self._now
             if said["seq"] == self._expected:
@@ -220,15 +217,18 @@ class MissionLink:
     def _take(self, frame: Frame, current: int) -> None:
         """The item that was asked for."""
         item = read(frame)
-        if isinstance(item, Answer):
+        if isinstance(item, MavMissionResult):
             self._complain("IGN MISSION_ITEM: Invalid item\t")
             self._acknowledge(self._partner, item)
             self._finish()
             return
-        polygon = item.command in (Command.POLYGON_INSIDE, Command.POLYGON_OUTSIDE)
+        polygon = item.command in (
+            MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+            MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
+        )
         misplaced = self._kind == Kind.MISSION and item.command in _NOT_A_MISSION
         if misplaced or (self._kind == Kind.FENCE and polygon and item.params[0] < TOO_FEW_CORNERS):
-            self._acknowledge(self._partner, Answer.ERROR)
+            self._acknowledge(self._partner, MavMissionResult.ERROR)
             self._finish()
             return
         self._id = checksum(frame, self._id)
@@ -241,7 +241,7 @@ class MissionLink:
             return
         self._store.put(Kind(self._kind), tuple(self._items), self._id, self._current)
         self._finish()
-        self._acknowledge(self._partner, Answer.ACCEPTED, self._id)
+        self._acknowledge(self._partner, MavMissionResult.ACCEPTED, self._id)
 
     def _clear(self, frame: Frame) -> None:
         said = frame.format.named(frame.values)
@@ -254,7 +254,7 @@ class MissionLink:
         for kind in Kind:
             if self._kind in (kind, ALL):
                 self._store.clear(kind)
-        self._acknowledge((frame.system, frame.component), Answer.ACCEPTED)
+        self._acknowledge((frame.system, frame.component), MavMissionResult.ACCEPTED)
 
     def _set_current(self, frame: Frame) -> None:
         said = frame.format.named(frame.values)
@@ -282,8 +282,8 @@ class MissionLink:
         self._sent_us = self._now
         self._voice.count(self._partner, self._kind, self._count)
 
-    def _acknowledge(self, to: Peer, answer: Answer, identity: int = 0) -> None:
+    def _acknowledge(self, to: Peer, answer: MavMissionResult, identity: int = 0) -> None:
         self._voice.acknowledge(to, self._kind, answer, identity)
 
     def _complain(self, text: str) -> None:
-        self._say(Text(Severity.CRITICAL, text))
+        self._say(Text(MavSeverity.CRITICAL, text))
