@@ -21,7 +21,8 @@ ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 
 class Estimate(NamedTuple):
-    """The vehicle's idea of its state. ``time_us``: the vehicle's clock; ``a_n`` m/s^2; ``resets``: 0..255."""
+    """The vehicle's idea of its state. ``time_us``: the vehicle's clock; ``a_n`` m/s^2; ``resets``: 0..255;
+    ``f_b_error``: m/s^2, of its accelerometer."""
 
     time_us: int
     p_n: Vec3
@@ -30,6 +31,7 @@ class Estimate(NamedTuple):
     q_nb: Quaternion
     w_b: Vec3
     resets: int
+    f_b_error: Vec3 = ZERO
 
 
 def exact(truth: Truth) -> Estimate:
@@ -49,6 +51,8 @@ class Sensors:
         noise = [_noise(each, step, draw) for each in (errors.position, errors.velocity, errors.attitude, errors.gyro)]
         self._position, self._velocity, self._attitude, self._gyro = noise
         self._drift = _drift(errors.drift, step, draw) if errors.drift else None
+        self._accelerometer = _noise(errors.accelerometer, step, draw)
+        self._in_world = errors.attitude_in_world
         self._errs = bool(errors)
         self._moved = False
         self._p_moved: Vec3 = ZERO
@@ -70,13 +74,15 @@ class Sensors:
         if self._velocity is not None:
             v_n = _sum(v_n, self._velocity())
         if self._attitude is not None:
-            q_nb = multiply(q_nb, from_rotation_vector(self._attitude()))
+            wrong = from_rotation_vector(self._attitude())
+            q_nb = multiply(wrong, q_nb) if self._in_world else multiply(q_nb, wrong)
         if self._gyro is not None:
             w_b = _sum(w_b, self._gyro())
+        f_b_error = ZERO if self._accelerometer is None else self._accelerometer()
         if self._moved:
             p_n, v_n = _sum(p_n, self._p_moved), _sum(v_n, self._v_moved)
             q_nb = multiply(self._q_turned, q_nb)
-        return Estimate(time_us, p_n, v_n, truth.a_n, q_nb, w_b, self._resets)
+        return Estimate(time_us, p_n, v_n, truth.a_n, q_nb, w_b, self._resets, f_b_error)
 
     def reset(self, event: EstimatorReset) -> None:
         """The estimate jumps. As in PX4 each of velocity, position and heading counts, level and vertical apart."""

@@ -41,13 +41,17 @@ class Drift:
 @dataclass(frozen=True, slots=True)
 class Errors:
     """Everything that is wrong with an estimate: position m, velocity m/s (NED), attitude rad (a small turn about the
-    body's axes), gyro rad/s."""
+    body's axes, or where ``attitude_in_world`` about north, east and down, as the tilt error of an EKF is), gyro rad/s,
+    accelerometer m/s^2 (what HIGHRES_IMU and SCALED_IMU report; nothing flies by it)."""
 
     position: Noise = field(default_factory=Noise)
     velocity: Noise = field(default_factory=Noise)
     attitude: Noise = field(default_factory=Noise)
     gyro: Noise = field(default_factory=Noise)
     drift: Drift = field(default_factory=Drift)
+    accelerometer: Noise = field(default_factory=Noise)
+    attitude_in_world: bool = False
 
     def __bool__(self) -> bool:
-        return any(map(bool, (self.position, self.velocity, self.attitude, self.gyro, self.drift)))
+        errors = (self.position, self.velocity, self.attitude, self.gyro, self.drift, self.accelerometer)
+        return any(map(bool, errors))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
@@ -26,6 +26,10 @@ Metres = Annotated[
 ]  # fmt: skip
 Mps = Annotated[
     list[Annotated[float, Field(ge=0.0, le=50.0)]],
+    Field(min_length=3, max_length=3), BeforeValidator(_three), WithJsonSchema(ONE_OR_THREE),
+]  # fmt: skip
+Mps2 = Annotated[
+    list[Annotated[float, Field(ge=0.0, le=100.0)]],
     Field(min_length=3, max_length=3), BeforeValidator(_three), WithJsonSchema(ONE_OR_THREE),
 ]  # fmt: skip
 Degrees = Annotated[
@@ -214,6 +218,8 @@ class AttitudeNoiseModel(NoiseModel):
     """standard deviation that is new at every step, one number or [roll, pitch, yaw], in degrees"""
     wander_deg: Degrees = Field(default_factory=_zero)
     """standard deviation of a slow wander (first-order Gauss-Markov), one number or [roll, pitch, yaw], in degrees"""
+    frame: Literal["body", "world"] = "body"
+    """what it turns about: the body's axes, or north, east and down as an EKF's tilt error does (body, world)"""
 
 
 class GyroNoiseModel(NoiseModel):
@@ -223,6 +229,15 @@ class GyroNoiseModel(NoiseModel):
     """standard deviation that is new at every step, one number or [roll, pitch, yaw], in degrees per second"""
     wander_dps: Dps = Field(default_factory=_zero)
     """standard deviation of a slow wander (first-order Gauss-Markov), one number or [roll, pitch, yaw], in deg/s"""
+
+
+class AccelerometerNoiseModel(NoiseModel):
+    """The accelerometer's errors, which HIGHRES_IMU and SCALED_IMU show."""
+
+    white_mps2: Mps2 = Field(default_factory=_zero)
+    """standard deviation that is new at every step, one number or [forward, right, down], in m/s^2"""
+    wander_mps2: Mps2 = Field(default_factory=_zero)
+    """standard deviation of a slow wander (first-order Gauss-Markov), one number or [forward, right, down], in m/s^2"""
 
 
 class DriftModel(Strict):
@@ -242,11 +257,13 @@ class EstimateModel(Strict):
     velocity: VelocityNoiseModel = Field(default_factory=VelocityNoiseModel)
     """the velocity's errors (white_mps, wander_mps, wander_s, smooth)"""
     attitude: AttitudeNoiseModel = Field(default_factory=AttitudeNoiseModel)
-    """the attitude's errors (white_deg, wander_deg, wander_s, smooth)"""
+    """the attitude's errors (white_deg, wander_deg, wander_s, smooth, frame)"""
     gyro: GyroNoiseModel = Field(default_factory=GyroNoiseModel)
     """the body rates' errors (white_dps, wander_dps, wander_s, smooth)"""
     drift: DriftModel = Field(default_factory=DriftModel)
     """a wander of the position that the velocity does not show (speed_mps, time_s)"""
+    accelerometer: AccelerometerNoiseModel = Field(default_factory=AccelerometerNoiseModel)
+    """the accelerometer's errors (white_mps2, wander_mps2, wander_s, smooth)"""
 
 
 class WorldModel(Strict):
@@ -267,6 +284,6 @@ class WorldModel(Strict):
     battery: BatteryModel | None = None
     """a battery that sags (capacity_mah, resistance_ohm, full_current_a, ...); default one that never does"""
     estimate: EstimateModel = Field(default_factory=EstimateModel)
-    """how wrong the vehicle's idea of its state is (position, velocity, attitude, gyro, drift)"""
+    """how wrong the vehicle's idea of its state is (position, velocity, attitude, gyro, drift, accelerometer)"""
     events: list[EventModel] = Field(default_factory=list)
     """what happens at a time (kind push, hold, link_cut, operator, ...)"""

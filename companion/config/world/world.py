@@ -146,12 +146,15 @@ def _battery(model: BatteryModel) -> Battery:
 
 def _estimate(model: EstimateModel) -> Errors:
     position, velocity, attitude, gyro = model.position, model.velocity, model.attitude, model.gyro
+    accelerometer = model.accelerometer
     return Errors(
         _noise(position.white_m, position.wander_m, position),
         _noise(velocity.white_mps, velocity.wander_mps, velocity),
         _noise(attitude.white_deg, attitude.wander_deg, attitude, math.radians(1.0)),
         _noise(gyro.white_dps, gyro.wander_dps, gyro, math.radians(1.0)),
         Drift(_vector(model.drift.speed_mps), model.drift.time_s),
+        _noise(accelerometer.white_mps2, accelerometer.wander_mps2, accelerometer),
+        attitude.frame == "world",
     )
 
 

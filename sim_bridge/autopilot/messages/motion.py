@@ -67,7 +67,8 @@ def highres_imu(a: Autopilot) -> Values:
     now = a.estimate
     r_nb = rotation_matrix(now.q_nb)
     north, east, down = now.a_n
-    force = to_body(r_nb, (north, east, down - a.vehicle.gravity))
+    felt, wrong = to_body(r_nb, (north, east, down - a.vehicle.gravity)), now.f_b_error
+    force = (felt[0] + wrong[0], felt[1] + wrong[1], felt[2] + wrong[2])
     altitude = altitude_of(a)
     return (now.time_us, *force, *now.w_b, *to_body(r_nb, FIELD_N), pressure_at(altitude), 0.0, altitude, 15.0, 63, 0)
 
