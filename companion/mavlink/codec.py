@@ -17,14 +17,16 @@ from typing import NamedTuple
 from fastcrc.crc16 import mcrf4xx
 
 from companion.mavlink.dialect import FORMATS, Format, Value
+from companion.mavlink.signing import SETUP_SIGNING, SIGNATURE_SIZE, SIGNED, Signing
 
 MAGIC_V2 = 0xFD
 MAGIC_V1 = 0xFE
-SIGNED = 0x01
-SIGNATURE_SIZE = 13
 
 LATE_FROM = 192
 """A sequence number so many ahead of the last one, of 256, is taken for one that is behind it."""
+
+UNKNOWN_ID = -1
+"""In the place of the id of a message that we do not know."""
 
 DATAGRAM_MAX = 8192
 """bytes of a datagram that are looked at: 29 of MAVLink's longest frames. Routers and bridges send at most 1500."""
@@ -65,12 +67,14 @@ class Decoder:
     """Decodes what one peer sends.
 
     ``wanted``: the message ids to unpack; None for every known one. ``tap``: called with the bytes of every whole
-    frame, whether anybody wants it or not.
+    frame, whether anybody wants it or not; but not of one that carries a key. ``signing``: what it does not accept has
+    no effect, and is not given to ``tap``.
     """
 
     wanted: Collection[int] | None = None
     tap: Callable[[bytes], None] | None = None
     counters: Counters = field(default_factory=Counters)
+    signing: Signing | None = None
     _sequence: dict[int, int] = field(default_factory=dict)
     _pending: bytes = b""
     _pending_at: float = -math.inf
@@ -112,14 +116,17 @@ class Decoder:
         self._sequence.clear()
 
     def _whole(self, data: bytes) -> list[Frame] | None:
-        """The frames of a datagram that is one whole unsigned MAVLink 2 frame and no more: the usual case, quickly."""
+        """The frames of a datagram that is one whole MAVLink 2 frame and no more: the usual case, quickly."""
         size = len(data)
-        if size < 12 or data[0] != MAGIC_V2 or data[2] or data[1] + 12 != size:
+        if size < 12 or data[0] != MAGIC_V2:
+            return None
+        check = data[1] + 10
+        if size != check + (2 if not data[2] else 2 + SIGNATURE_SIZE if data[2] == SIGNED else 0):
             return None
         fmt = FORMATS.get(data[7] | data[8] << 8 | data[9] << 16)
-        if fmt is None or mcrf4xx(fmt.crc_extra_byte, mcrf4xx(data[1:-2])) != data[-2] | data[-1] << 8:
+        if fmt is None or not _crc_fits(fmt, data, 0, check):
             return None
-        return self._accepted(fmt, data, data[4], data[5], data[6], data[10:-2])
+        return self._accepted(fmt, data, data[4], data[5], data[6], data[10:check])
 
     def _bounded(self, data: bytes) -> bytes:
         if len(data) <= DATAGRAM_MAX:
@@ -152,10 +159,12 @@ class Decoder:
             found = _START.search(data, at + 1)
             at = size if found is None else found.start()
             if unknown is not None and at >= unknown[1]:
-                counters.unknown += 1
-                self._follow(unknown[3], unknown[2])
-                if self.tap is not None:
-                    self.tap(data[unknown[0] : unknown[1]])
+                raw = data[unknown[0] : unknown[1]]
+                if self.signing is None or self.signing.accepts(raw, UNKNOWN_ID):
+                    counters.unknown += 1
+                    self._follow(unknown[3], unknown[2])
+                    if self.tap is not None:
+                        self.tap(raw)
                 counters.garbage_bytes += unknown[0] - done
                 done = unknown[1]
                 unknown = None
@@ -205,9 +214,11 @@ class Decoder:
         self, fmt: Format, raw: bytes, sequence: int, system: int, component: int, payload: bytes
     ) -> list[Frame]:
         """Count a whole frame, and unpack it where it is wanted."""
+        if self.signing is not None and not self.signing.accepts(raw, fmt.id):
+            return []
         self.counters.frames += 1
         self._follow(system << 8 | component, sequence)
-        if self.tap is not None:
+        if self.tap is not None and fmt is not SETUP_SIGNING:
             self.tap(raw)
         if self.wanted is not None and fmt.id not in self.wanted:
             return []
@@ -259,11 +270,12 @@ _CRC = struct.Struct("<H").pack
 
 @dataclass(slots=True)
 class Encoder:
-    """Frames messages as one MAVLink component: MAVLink 2, unsigned, sequence numbers counted here."""
+    """Frames messages as one MAVLink component: MAVLink 2, sequence numbers counted here, signed with ``signing``."""
 
     system: int
     component: int
     sequence: int = 0
+    signing: Signing | None = None
 
     def encode(self, fmt: Format, values: tuple[Value, ...]) -> bytes:
         """The frame of ``values`` (flat, wire order), its trailing zero bytes cut. A number that its type on the wire
@@ -275,8 +287,12 @@ class Encoder:
         payload = payload.rstrip(b"\0") or b"\0"
         sequence, msgid = self.sequence, fmt.id
         self.sequence = sequence + 1 & 0xFF
-        body = _HEAD(len(payload), 0, 0, sequence, self.system, self.component, msgid & 0xFFFF, msgid >> 16) + payload
-        return b"\xfd" + body + _CRC(mcrf4xx(fmt.crc_extra_byte, mcrf4xx(body)))
+        signing = self.signing
+        flags = 0 if signing is None else SIGNED
+        head = _HEAD(len(payload), flags, 0, sequence, self.system, self.component, msgid & 0xFFFF, msgid >> 16)
+        body = head + payload
+        frame = b"\xfd" + body + _CRC(mcrf4xx(fmt.crc_extra_byte, mcrf4xx(body)))
+        return frame if signing is None else frame + signing.signature(frame)
 
     def message(self, fmt: Format, **fields: Value) -> bytes:
         """The frame of a message given by field names; fields left out are zero. Not for the hot path."""
