@@ -14,6 +14,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
+from companion.config.signing_key import read_key
 from companion.config.syntax.document import parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.vehicle import load_vehicle
@@ -64,12 +65,15 @@ def fly(
         str | None,
         typer.Option(help="Where the local frame's origin lies: LATITUDE,LONGITUDE,METRES above sea level."),
     ] = None,
+    signing_key: Annotated[
+        Path | None, typer.Option(help="It has this key from the start and signs; else a companion may give it one.")
+    ] = None,
     truth: Annotated[Path | None, typer.Option(help="Write the true state of every step to this .npy file.")] = None,
 ) -> None:
     """A quadrotor made of software that speaks MAVLink as PX4 does. Ctrl-C ends it."""
     with contextlib.ExitStack() as stack:
         try:
-            inputs = _inputs(vehicle, world, connect, ground_station, start, home)
+            inputs = _inputs(vehicle, world, connect, ground_station, start, home, signing_key)
             bridge, server = _prepared(stack, inputs, seed, speed, motors, landed, truth)
         except (CompanionError, ValueError, OSError) as error:
             print(printable_lines(str(error)), file=sys.stderr)
@@ -89,14 +93,16 @@ class Inputs(NamedTuple):
     world: World
     start: Start | None
     endpoints: list[Endpoint]
+    key: bytes | None
 
 
 def _inputs(
-    vehicle: str, world: str, connect: str | None, ground_station: str | None, start: str | None, home: str | None
+    vehicle: str, world: str, connect: str | None, ground_station: str | None, start: str | None, home: str | None,
+    signing_key: Path | None,
 ) -> Inputs:  # fmt: skip
     """Read everything. ConfigError with the faults of all of it."""
     faults: list[Fault] = []
-    machine = surroundings = begins = None
+    machine = surroundings = begins = key = None
     endpoints = [COMPANION, GROUND_STATION]
     with _collecting(faults):
         machine = load_vehicle(vehicle)
@@ -106,6 +112,8 @@ def _inputs(
         begins = None if start is None else start_from(parse(start, "--start"))
         if surroundings is not None and home is not None:
             surroundings = replace(surroundings, home=home_from(home, "--home"))
+    with _collecting(faults):
+        key = None if signing_key is None else read_key(signing_key)
     with _collecting(faults, "--connect"):
         if connect is not None:
             endpoints[0] = endpoint_of(connect)
@@ -116,7 +124,7 @@ def _inputs(
             endpoints[1] = endpoint_of(ground_station)
     if machine is None or surroundings is None or faults:
         raise ConfigError(faults)
-    return Inputs(machine, surroundings, begins, endpoints)
+    return Inputs(machine, surroundings, begins, endpoints, key)
 
 
 def _prepared(
@@ -124,10 +132,10 @@ def _prepared(
     truth: Path | None,
 ) -> tuple[Bridge, Server]:  # fmt: skip
     """The bridge and its server, the sockets and the truth file open until ``stack`` is left."""
-    vehicle, world, start, endpoints = inputs
+    vehicle, world, start, endpoints, key = inputs
     bridge = Bridge(
         vehicle, world, seed=seed, direct=motors is Motors.DIRECT, start=start, landed=landed and start is None,
-        endpoints=len(endpoints),
+        endpoints=len(endpoints), key=key,
     )  # fmt: skip
     if speed > 1.0:
         bridge.autopilot.parameters.hurry(speed)

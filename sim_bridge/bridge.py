@@ -13,13 +13,16 @@ import math
 
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.codec import Counters, Frame
+from companion.mavlink.signing import SETUP_SIGNING
 from companion.mavlink_common import MavResult
 from companion.vehicle import MotorInterface, Vehicle
 from companion.world import Start, World
 from companion.world.events import Operator, Stranger
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.flight_modes.manual_control import Deflection
-from sim_bridge.autopilot.mavlink.link import COMPONENT, SYSTEM, Link
+from sim_bridge.autopilot.mavlink.link import Link
+from sim_bridge.autopilot.mavlink.setpoint_link import COMPONENT, SYSTEM
+from sim_bridge.autopilot.mavlink.signing import KeyStore
 from sim_bridge.autopilot.mavlink.streams import GROUND_STATION, ONBOARD, Boot, Streams
 from sim_bridge.autopilot.messages import Values
 from sim_bridge.control.position import Target
@@ -46,8 +49,8 @@ class Bridge:
     Endpoint 0 is the companion's, 1 the ground station's. ``landed``: it stands on the ground at the origin, switched
     on just now; otherwise it begins in the air as ``start`` says, by default in a hover 10 m above the origin.
     ``direct``: it takes SET_ACTUATOR_CONTROL_TARGET as motor commands, as it also does if its vehicle file says so.
-    ``endpoints``: 1 leaves the ground station out. ``seed``: of every chance in the world. ValueError: the vehicle
-    cannot be flown. Nothing received ever raises.
+    ``endpoints``: 1 leaves the ground station out. ``seed``: of every chance in the world. ``key``: what it signs with
+    from the start. ValueError: the vehicle cannot be flown. Nothing received ever raises.
 
     ``log``: lines for a person, to be taken out by whoever shows them. ``orders``: what a world's operator asked for,
     when, and the answer. ``ports_dialled``: how often the vehicle has changed its port to the companion.
@@ -63,6 +66,7 @@ class Bridge:
         start: Start | None = None,
         landed: bool = False,
         endpoints: int = 2,
+        key: bytes | None = None,
     ) -> None:
         self._per_second = 1000 if vehicle.state_rate > FAST_STATE else 250
         self.step_s = 1.0 / self._per_second
@@ -99,8 +103,9 @@ class Bridge:
         if not landed:
             self._begin_in_flight(start or HOVER, world)
         boot = Boot() if landed else None
+        self.keys = KeyStore(key)
         self.links = [
-            Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot), boots=landed)
+            Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot), self.keys, boots=landed)
             for rates in (ONBOARD, GROUND_STATION)[:endpoints]
         ]
         self._strangers: list[Stranger] = []
@@ -242,6 +247,8 @@ class Bridge:
         system = frame.values[where["target_system"]] if "target_system" in where else 0
         component = frame.values[where["target_component"]] if "target_component" in where else 0
         if (system, component) == (SYSTEM, COMPONENT) or (system == SYSTEM and component == 0):
+            return
+        if frame.format is SETUP_SIGNING:  # a key is never forwarded
             return
         for number, link in enumerate(self.links):
             known = system == 0 or any(system == s and component in (0, c) for s, c in link.peers)

@@ -8,7 +8,19 @@ from typing import Annotated
 
 import typer
 
-from companion.cli import file_commands
+from companion.cli import file_commands, look_commands, vehicle_commands
+from companion.cli.options import (
+    Connect,
+    Duration,
+    Json,
+    MissionName,
+    OutputName,
+    Record,
+    Report,
+    Settle,
+    SigningKey,
+    VehicleName,
+)
 from companion.cli.output import Ends, LawOutput, Output, WhoStarts
 from companion.cli.terminal import open_standard_streams, say
 from companion.plain_text import printable
@@ -21,21 +33,6 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Fly a path, not a timetable: path following for PX4 quadrotors.",
 )
-
-
-MissionName = Annotated[str, typer.Argument(metavar="MISSION", help="A mission file, or a name in configs/missions.")]
-VehicleName = Annotated[
-    str | None, typer.Option("--vehicle", help="A name in configs/vehicles, or a vehicle file. [default: x500]")
-]
-OutputName = Annotated[Output, typer.Option("--output", help="The level at which setpoints go out.")]
-Json = Annotated[bool, typer.Option("--json", help="stdout is one JSON document; words go to stderr.")]
-Record = Annotated[Path | None, typer.Option("--record", help="The flight folder. [default: flights/DATE-TIME-NAME]")]
-Report = Annotated[
-    bool,
-    typer.Option("--report/--no-report", envvar="COMPANION_REPORT", help="Write report.html into the flight folder."),
-]
-Settle = Annotated[float, typer.Option("--settle", min=0.0, help="s of following after which the flight is settled.")]
-Duration = Annotated[float | None, typer.Option("--duration", min=0.1, help="s of following.")]
 
 
 def _print_version(wanted: bool) -> None:
@@ -115,7 +112,7 @@ def sim(
 @app.command()
 def fly(
     mission: MissionName,
-    connect: Annotated[str, typer.Option(help="udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD.")],
+    connect: Connect,
     vehicle: VehicleName = None,
     output: OutputName = Output.AUTO,
     set_parameters: Annotated[
@@ -149,6 +146,7 @@ def fly(
     accept_infeasible: Annotated[
         bool, typer.Option("--accept-infeasible", help="Fly even what `check` says this vehicle cannot.")
     ] = False,
+    signing_key: SigningKey = None,
     json: Json = False,
 ) -> None:
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
@@ -158,6 +156,7 @@ def fly(
     from companion.cli.flying import fly as fly_now
     from companion.cli.orders import Faults, check_record, read_sortie
     from companion.cli.terminal import say
+    from companion.config.signing_key import read_key
     from companion.daemon.address import parsed
     from companion.feasibility.words import headline
     from companion.flight.conduct import Conduct, Finish, Limits
@@ -167,6 +166,7 @@ def fly(
     open_port = faults.collect(lambda: parsed(connect))
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, output))
     faults.collect(lambda: check_record(record))
+    key = None if signing_key is None else faults.collect(lambda: read_key(signing_key))
     faults.raise_any()
     assert sortie is not None and open_port is not None
     sortie, found = looked_at(sortie)
@@ -183,41 +183,9 @@ def fly(
         speed_scale_max=most_speed_scale(found.speed_scale_max),
     )
     directory = record or new_directory(sortie.mission.name)
-    flight = Flight(
-        sortie, directory, duration, Ending(json, settle, report), set_parameters, conduct, draw, accept_infeasible
-    )
+    ending = Ending(json, settle, report)
+    flight = Flight(sortie, directory, duration, ending, set_parameters, conduct, draw, accept_infeasible, key)
     raise typer.Exit(fly_now(flight, open_port()))
-
-
-@app.command()
-def preflight(
-    connect: Annotated[str, typer.Option(help="udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD.")],
-    mission: Annotated[str | None, typer.Argument(metavar="[MISSION]", help="Where it would run, too.")] = None,
-    vehicle: VehicleName = None,
-    upload: Annotated[
-        bool,
-        typer.Option("--upload", help="Put the curve into the vehicle's mission, and the fence into its geofence."),
-    ] = False,
-    json: Json = False,
-) -> None:
-    """Look at a vehicle before a flight: what its parameters do when something goes wrong, what we advise, and why."""
-    from companion.cli.orders import Faults, read_sortie
-    from companion.cli.preflight import preflight as look
-    from companion.daemon.address import parsed
-
-    faults = Faults()
-    faults.collect(lambda: parsed(connect))
-    sortie = None if mission is None else faults.collect(lambda: read_sortie(mission, vehicle, Output.AUTO))
-    faults.raise_any()
-    raise typer.Exit(look(connect, sortie, upload=upload, as_json=json))
-
-
-@app.command()
-def status(json: Json = False) -> None:
-    """What the companions on this computer are doing: asked from another terminal."""
-    from companion.cli.status import status as tell
-
-    raise typer.Exit(tell(json))
 
 
 @app.command()
@@ -275,7 +243,9 @@ def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flig
     print(f"{replayed.ticks} ticks, {replayed.setpoints} setpoints: the same, bit for bit")
 
 
+look_commands.register(app)
 file_commands.register(app)
+vehicle_commands.register(app)
 
 
 def main() -> None:

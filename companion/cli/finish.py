@@ -139,12 +139,12 @@ def _of_the_link(conductor: Conductor) -> list[str]:
     return notes + [f"{count} states of the vehicle were not used: {reason}" for reason, count in refused]
 
 
-def refuse(reason: str, as_json: bool) -> int:
+def refuse(reason: str, as_json: bool, what: str = "not flown") -> int:
     """Say why nothing was flown; the exit code."""
     if as_json:
         tell(json.dumps({"schema": "companion.flight/1", "outcome": "aborted", "reason": reason}, indent=2))
     else:
-        tell(f"not flown: {reason}")
+        tell(f"{what}: {reason}")
     return FAILED
 
 

@@ -16,9 +16,11 @@ from companion.daemon.last_resort import told
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.port import Port
 from companion.daemon.signals import Signals, ending_signals
+from companion.daemon.signing_files import signing_with
 from companion.feasibility.report import check
 from companion.feasibility.words import headline
 from companion.flight.conduct import Conduct, ControlAuthority
+from companion.mavlink.signing import Signing
 from companion.mission import Mission, Origin
 from companion.record.folder import Recorder
 from companion.record.learned import recalled, remembered, state_file
@@ -36,7 +38,7 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Flight:
-    """One flight on a vehicle."""
+    """One flight on a vehicle. ``key``: what the link is signed with."""
 
     sortie: Sortie
     directory: Path
@@ -46,6 +48,7 @@ class Flight:
     conduct: Conduct = field(default_factory=Conduct)
     draw: bool = False
     accept_infeasible: bool = False
+    key: bytes | None = field(default=None, repr=False)
 
 
 def most_speed_scale(feasible: float) -> float:
@@ -71,10 +74,20 @@ def authority_of(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial:
 
 def fly(flight: Flight, port: Port) -> int:
     """Fly; the exit code."""
-    with contextlib.closing(port), ending_signals(say) as signals:
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(contextlib.closing(port))
+        signals = stack.enter_context(ending_signals(say))
+        signing = None
+        if flight.key is not None:
+            signing = stack.enter_context(signing_with(flight.key, time.time() - clock()))
+        elif port.exposed:
+            say(
+                f"warning: {port.describe()} can be reached over the network and nothing is signed: whoever sends "
+                "there can pose as the vehicle; listen on 127.0.0.1, or sign (companion vehicle sign)"
+            )
         recorder = begin_record(flight.directory, flight.sortie, time.time() - clock())
         try:
-            return _flown(flight, port, recorder, signals)
+            return _flown(flight, port, recorder, signals, signing)
         except NoVehicleError as error:
             recorder.discard()
             return no_vehicle(str(error), flight.ending)
@@ -88,7 +101,7 @@ def fly(flight: Flight, port: Port) -> int:
             return failed(error, recorder, flight.ending)
 
 
-def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals) -> int:
+def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals, signing: Signing | None) -> int:
     sortie = flight.sortie
     orders = Orders(
         sortie.mission,
@@ -106,6 +119,9 @@ def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals) -> 
         else lambda mission, ground: objection(mission, sortie.vehicle, ground),
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
+    if signing is not None:
+        conductor.link.sign(signing)
+        conductor.decoder.signing = signing
     say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.authority]}")
     listen_to(signals, conductor, recorder)
     failure = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE)

@@ -6,6 +6,7 @@ from collections.abc import Collection, Sequence
 
 from companion.mavlink.codec import MAGIC_V2
 from companion.mavlink.peer import Received, Source
+from companion.mavlink.signing import SIGNATURE_SIZE, SIGNED
 from companion.mavlink.telemetry import ODOMETRY
 
 STATE_ID = ODOMETRY.id.to_bytes(3, "little")
@@ -35,6 +36,9 @@ def parted(
 
 def _is_one_of_others(data: bytes, wanted: Collection[int]) -> bool:
     """Whether a datagram is one whole frame that nobody reads."""
-    if len(data) < 12 or data[0] != MAGIC_V2 or data[2] or data[1] + 12 != len(data):
+    if len(data) < 12 or data[0] != MAGIC_V2:
+        return False
+    rest = 12 if not data[2] else 12 + SIGNATURE_SIZE if data[2] == SIGNED else 0
+    if data[1] + rest != len(data):
         return False
     return data[7] | data[8] << 8 | data[9] << 16 not in wanted

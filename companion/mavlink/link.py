@@ -14,6 +14,7 @@ from companion.mavlink.codec import Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.peer import HEARTBEAT, Peers, vehicle_of
 from companion.mavlink.requests import COMMAND_LONG, Command, Requests, request
+from companion.mavlink.signing import Signing
 from companion.mavlink_common import (
     MAV_AUTOPILOT_INVALID,
     MAV_COMP_ID_AUTOPILOT1,
@@ -89,6 +90,10 @@ class Link:
     def __post_init__(self) -> None:
         self.requests = Requests(self._command)
 
+    def sign(self, signing: Signing) -> None:
+        """From now on what we send is signed, and others are looked at only where they sign."""
+        self.encoder.signing = self.peers.signing = signing
+
     def send(self, fmt: Format, values: tuple[Value, ...]) -> None:
         """Queue one message."""
         self.outgoing.append(self.encoder.encode(fmt, values))
@@ -131,6 +136,8 @@ class Link:
 
     def on_timer(self, now: float) -> None:
         """Send what is due."""
+        if self.encoder.signing is not None:
+            self.encoder.signing.advance(now)
         if now >= self._heartbeat_at + HEARTBEAT_PERIOD:
             self._heartbeat_at = now
             self.send(HEARTBEAT, (0, MAV_TYPE_ONBOARD_CONTROLLER, MAV_AUTOPILOT_INVALID, 0, MAV_STATE_ACTIVE, 3))

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from companion.mavlink.codec import MAGIC_V1, MAGIC_V2, Counters, Decoder, Frame
 from companion.mavlink.dialect import message
+from companion.mavlink.signing import Signing
 from companion.mavlink_common import MAV_AUTOPILOT_INVALID, MAV_COMP_ID_AUTOPILOT1, MAV_TYPE_GCS
 
 Source = Hashable
@@ -63,11 +64,14 @@ class Vehicle(NamedTuple):
         return f"{name} (system {self.system}, MAV_TYPE {self.kind})"
 
 
+LOOKED_FOR = frozenset({HEARTBEAT.id, ODOMETRY.id, CURRENT_MODE.id})
+
+
 @dataclass(slots=True)
 class Stranger:
     """Somebody at another source: what it sent, and what vehicle it says it is."""
 
-    decoder: Decoder = field(default_factory=lambda: Decoder(wanted={HEARTBEAT.id, ODOMETRY.id, CURRENT_MODE.id}))
+    decoder: Decoder
     datagrams: int = 0
     vehicle: Vehicle | None = None
 
@@ -76,13 +80,14 @@ class Stranger:
 class Peers:
     """``heard``: the vehicle's source, None until it is met. ``to``: where our messages go; None: nowhere. ``called``:
     the only source it can be met at first, where the link was told one. ``flying``: the flight has begun. ``heard_at``:
-    s, the last byte from the vehicle's source."""
+    s, the last byte from the vehicle's source. ``signing``: what is not signed by it is not looked at."""
 
     heard: Source | None = None
     to: Source | None = None
     called: Source | None = None
     flying: bool = False
     system: int | None = None
+    signing: Signing | None = None
     heard_at: float = -math.inf
     strangers: dict[Source, Stranger] = field(default_factory=dict)
     uncounted: int = 0
@@ -119,12 +124,16 @@ class Peers:
             if len(self.strangers) >= STRANGERS_MAX:
                 self.uncounted += 1
                 return False
-            stranger = self.strangers[source] = Stranger()
+            stranger = self.strangers[source] = Stranger(Decoder(wanted=LOOKED_FOR, signing=self.signing))
         stranger.datagrams += 1
         away = self.heard is None or now - self.heard_at > PEER_SILENT
         if not self._is_looked_at(data, now, away):
             return False
-        for frame in stranger.decoder.piece(data if away else data[:FRAME_MAX], now):
+        replayed = 0 if self.signing is None else self.signing.refused.replayed
+        frames = stranger.decoder.piece(data if away else data[:FRAME_MAX], now)
+        if self.signing is not None and self.heard is self.to is None and self.signing.refused.replayed > replayed:
+            self.to = source  # it has the key and its clock is behind: our own messages set it
+        for frame in frames:
             if frame.component != MAV_COMP_ID_AUTOPILOT1:
                 continue
             vehicle = vehicle_of(frame)
@@ -144,6 +153,8 @@ class Peers:
         ]
         if self.uncounted:
             lines.append(f"others: {self.uncounted} datagrams without effect")
+        if self.signing is not None and self.signing.refused.total:
+            lines.append(f"{self.signing.refused}: without effect")
         return lines + [
             f"{who} on the vehicle's link: {count} heartbeats" for who, count in list(self.bystanders.items())
         ]
@@ -154,6 +165,11 @@ class Peers:
         if vehicles:
             return f"only what it cannot fly: {', '.join(vehicles)}; expected a multirotor"
         counters = [own, *(stranger.decoder.counters for stranger in self.strangers.values())]
+        if self.signing is not None and self.signing.refused.total:
+            return (
+                f"{self.signing.refused}; give the vehicle this key with: companion vehicle sign, or fly without "
+                "--signing-key if it does not sign"
+            )
         messages = sum(each.frames + each.unknown for each in counters)
         garbage = sum(each.garbage_bytes for each in counters)
         return (

@@ -50,26 +50,31 @@ class Refused:
         """All of them."""
         return self.unsigned + self.forged + self.replayed
 
+    def __str__(self) -> str:
+        return f"{self.unsigned} unsigned, {self.forged} forged and {self.replayed} replayed messages"
+
 
 @dataclass(slots=True)
 class Signing:
     """One side of a signed link. ``stamp``: the last that was sent or heard. ``streams``: the last stamp of each.
-    ``unsigned_accepted``: messages that count without a signature."""
+    ``unsigned_accepted``: messages that count without a signature. ``epoch``: s since 1970 when the clock of
+    ``advance`` read zero."""
 
     key: bytes = field(repr=False)
     link: int = 0
     stamp: int = 0
     streams: dict[Stream, int] = field(default_factory=dict)
     unsigned_accepted: frozenset[int] = UNSIGNED_ACCEPTED
+    epoch: float = 0.0
     refused: Refused = field(default_factory=Refused)
     _begun: Any = field(init=False, repr=False)  # hashlib names no type for its objects
 
     def __post_init__(self) -> None:
         self._begun = sha256(self.key)
 
-    def advance(self, unix_time: float) -> None:
-        """Time passes (s since 1970). A clock that is set back does not set the stamps back."""
-        self.stamp = max(self.stamp, min(round((unix_time - EPOCH) / TICK), STAMP_MAX))
+    def advance(self, now: float) -> None:
+        """Time passes (s). A clock that is set back does not set the stamps back."""
+        self.stamp = max(self.stamp, min(round((self.epoch + now - EPOCH) / TICK), STAMP_MAX))
 
     def signature(self, frame: bytes) -> bytes:
         """What goes behind a frame that ends with its CRC and has the flag SIGNED."""
@@ -80,25 +85,28 @@ class Signing:
         hashed.update(told)
         return told + bytes(hashed.digest()[:6])
 
-    def accepts(self, frame: bytes, msgid: int) -> bool:
-        """Whether a whole frame may have an effect; it is counted where it may not."""
-        if frame[0] != 0xFD or not frame[2] & SIGNED:
-            if msgid in self.unsigned_accepted:
-                return True
-            self.refused.unsigned += 1
-            return False
+    def is_signed(self, frame: bytes) -> bool:
+        """Whether a frame with a signature was signed with the key, some time."""
         hashed = self._begun.copy()
         hashed.update(frame[:-6])
-        if not compare_digest(hashed.digest()[:6], frame[-6:]):
-            self.refused.forged += 1
-            return False
+        return compare_digest(hashed.digest()[:6], frame[-6:])
+
+    def accepts(self, frame: bytes, msgid: int) -> bool:
+        """Whether a whole frame may have an effect; it is counted where it may not."""
+        excepted = msgid in self.unsigned_accepted
+        if frame[0] != 0xFD or not frame[2] & SIGNED:
+            self.refused.unsigned += not excepted
+            return excepted
+        if not self.is_signed(frame):
+            self.refused.forged += not excepted
+            return excepted
         stamp = int.from_bytes(frame[-12:-6], "little")
         stream = (frame[5], frame[6], frame[-13])
         last = self.streams.get(stream)
         is_new = last is None and stamp + BEHIND_MAX >= self.stamp and len(self.streams) < STREAMS_MAX
         if not is_new and (last is None or stamp <= last):
-            self.refused.replayed += 1
-            return False
+            self.refused.replayed += not excepted
+            return excepted
         self.streams[stream] = stamp
         if stamp > self.stamp:
             self.stamp = stamp

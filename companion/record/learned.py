@@ -17,14 +17,20 @@ SCHEMA = "companion.learned/1"
 DAY = 86400.0
 
 
+def state_directory() -> Path | None:
+    """Where what outlives a flight is kept for this user; None where he has no home to keep it in."""
+    base = os.environ.get("XDG_STATE_HOME")
+    try:
+        return (Path(base) if base else Path.home() / ".local" / "state") / "companion"
+    except RuntimeError:  # no HOME, and no entry among the users: a container's number
+        return None
+
+
 def state_file(vehicle: str) -> Path | None:
     """Where the figures of a vehicle are kept; None where this user has no home to keep them in."""
     safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in vehicle).lstrip(".")[:100] or "vehicle"
-    base = os.environ.get("XDG_STATE_HOME")
-    try:
-        return (Path(base) if base else Path.home() / ".local" / "state") / "companion" / f"{safe}.json"
-    except RuntimeError:  # no HOME, and no entry among the users: a container's number
-        return None
+    directory = state_directory()
+    return None if directory is None else directory / f"{safe}.json"
 
 
 def recalled(file: Path | None) -> Learned | None:

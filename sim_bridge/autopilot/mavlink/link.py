@@ -7,31 +7,29 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink.signing import SETUP_SIGNING
 from companion.mavlink_common import (
     MAV_CMD_DO_SET_MODE,
     MAV_COMP_ID_MISSIONPLANNER,
     MAV_TYPE_GCS,
     MavResult,
-    MavSeverity,
 )
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander import events
 from sim_bridge.autopilot.commander.commander import Text
 from sim_bridge.autopilot.commands import Command, execute, is_integer_max, place_given, set_mode, stray
-from sim_bridge.autopilot.flight_modes import position_setpoints
 from sim_bridge.autopilot.flight_modes.manual_control import MANUAL_CONTROL, deflection
-from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
-from sim_bridge.autopilot.flight_modes.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
 from sim_bridge.autopilot.mavlink import file_link, parameter_link
 from sim_bridge.autopilot.mavlink.boot_messages import Greeting
 from sim_bridge.autopilot.mavlink.file_link import FileLink
 from sim_bridge.autopilot.mavlink.parameter_link import ParameterLink
+from sim_bridge.autopilot.mavlink.setpoint_link import COMPONENT, SYSTEM, SetpointLink, is_for_us
+from sim_bridge.autopilot.mavlink.signing import KeyStore
 from sim_bridge.autopilot.mavlink.streams import Streams
 from sim_bridge.autopilot.messages import BUILDERS, EDITIONS, Values
 from sim_bridge.autopilot.messages.identity import AVAILABLE, available_mode
 from sim_bridge.autopilot.missions.protocol import MissionLink
 
-SYSTEM, COMPONENT = 1, 1
 HEARD_FOR_US = 2_500_000
 """us after its last heartbeat for which a ground station counts as listening."""
 TEXT_SIZE = 50
@@ -60,11 +58,12 @@ class Link:
     """A link to one peer. ``outbox``: the datagrams to send, oldest first. Commands for others are not answered.
 
     ``alter``: what a world's events make of a message (by its id) that is streamed; None: it is not sent.
-    ``boots``: the vehicle has just been switched on.
+    ``boots``: the vehicle has just been switched on. ``keys``: what it signs with on all its links.
     """
 
-    def __init__(self, autopilot: Autopilot, streams: Streams, *, boots: bool = False) -> None:
+    def __init__(self, autopilot: Autopilot, streams: Streams, keys: KeyStore, *, boots: bool = False) -> None:
         self._autopilot = autopilot
+        self._keys = keys
         self._streams = streams
         self._encoder = Encoder(SYSTEM, COMPONENT)
         self._parameters = ParameterLink(autopilot.parameters, SYSTEM, self.emit)
@@ -82,6 +81,7 @@ class Link:
         self._sent = 0
         self.alter: Callable[[int, Values], Values | None] | None = None
         self.decoder = Decoder()
+        keys.attach(self._encoder, self.decoder)
         self.outbox: list[bytes] = []
         self.peers: set[tuple[int, int]] = set()
         self._handlers = {
@@ -91,17 +91,15 @@ class Link:
             _PING.id: self._ping,
             _SET_MODE.id: self._set_mode,
             _TIMESYNC.id: self._timesync,
-            ACTUATORS.id: self._actuators,
-            ATTITUDE_TARGET.id: self._attitude_target,
             MANUAL_CONTROL.id: self._manual_control,
-            position_setpoints.LOCAL.id: self._local_target,
-            position_setpoints.GLOBAL.id: self._global_target,
+            SETUP_SIGNING.id: self._setup_signing,
             file_link.FTP.id: FileLink(SYSTEM, self.emit).request,
             events.REQUEST.id: self._events.requested,
             parameter_link.READ.id: self._parameters.read,
             parameter_link.LIST.id: self._parameters.list,
             parameter_link.SET.id: self._parameters.set,
             **self._missions.handlers,
+            **SetpointLink(autopilot).handlers,
         }
 
     @property
@@ -222,14 +220,14 @@ class Link:
         a, b, c, d, e, f, g, command, system, component, _ = frame.values
         if is_integer_max(e) and is_integer_max(f):
             self._acknowledge(command, MavResult.DENIED, frame)
-        elif _for_us(system, component):
+        elif is_for_us(system, component):
             self._execute(command, (a, b, c, d, e, f, g), frame)
 
     def _command_int(self, frame: Frame) -> None:
         a, b, c, d, x, y, z, command, system, component, kind, *_ = frame.values
         if x == y == NAN_CAST:
             self._acknowledge(command, MavResult.DENIED, frame)
-        elif _for_us(system, component):
+        elif is_for_us(system, component):
             self._execute(command, (a, b, c, d, *place_given(command, kind, x, y), z), frame)
 
     def _execute(
@@ -267,42 +265,10 @@ class Link:
         if theirs == 0:  # a request: their time comes back with ours
             self.emit(_TIMESYNC, (self._autopilot.estimate.time_us * 1000, ours))
 
+    def _setup_signing(self, frame: Frame) -> None:
+        self._keys.requested(frame, SYSTEM, COMPONENT, armed=self._autopilot.commander.armed)
+
     def _manual_control(self, frame: Frame) -> None:
         position = deflection(frame, SYSTEM)
         if position is not None:
             self._autopilot.take_sticks(position, self)
-
-    def _attitude_target(self, frame: Frame) -> None:
-        if _targets_us(frame):
-            demand = attitude_target(frame.values)
-            if demand is not None:
-                self._autopilot.offboard(demand)
-
-    def _local_target(self, frame: Frame) -> None:
-        if _targets_us(frame):
-            self._take_place(position_setpoints.local_target(frame, self._autopilot.estimate.q_nb))
-
-    def _global_target(self, frame: Frame) -> None:
-        if _targets_us(frame):
-            self._take_place(position_setpoints.global_target(frame, self._autopilot.place_of))
-
-    def _take_place(self, demand: PositionDemand | str | None) -> None:
-        if isinstance(demand, str):
-            self._autopilot.commander.say(MavSeverity.CRITICAL, demand)
-        elif demand is not None:
-            self._autopilot.offboard(demand)
-
-    def _actuators(self, frame: Frame) -> None:
-        if _targets_us(frame):
-            demand = actuator_controls(frame.values)
-            if demand is not None:
-                self._autopilot.offboard(demand)
-
-
-def _for_us(system: Value, component: Value) -> bool:
-    return system in (0, SYSTEM) and component in (0, COMPONENT)
-
-
-def _targets_us(frame: Frame) -> bool:
-    where = frame.format.where
-    return _for_us(frame.values[where["target_system"]], frame.values[where["target_component"]])

@@ -1,0 +1,57 @@
+"""The commands that only look: preflight, status."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from companion.cli.options import Connect, Json, SigningKey, VehicleName
+from companion.cli.output import Output
+
+
+def preflight(
+    connect: Connect,
+    mission: Annotated[str | None, typer.Argument(metavar="[MISSION]", help="Where it would run, too.")] = None,
+    vehicle: VehicleName = None,
+    upload: Annotated[
+        bool,
+        typer.Option("--upload", help="Put the curve into the vehicle's mission, and the fence into its geofence."),
+    ] = False,
+    signing_key: SigningKey = None,
+    json: Json = False,
+) -> None:
+    """Look at a vehicle before a flight: what its parameters do when something goes wrong, what we advise, and why."""
+    from companion.cli.orders import Faults, read_sortie
+    from companion.cli.preflight import preflight as look
+    from companion.config.syntax.faults import Fault
+    from companion.daemon.address import parsed
+
+    faults = Faults()
+    faults.collect(lambda: parsed(connect))
+    if signing_key is not None:
+        faults.add(
+            Fault(
+                "--signing-key",
+                0,
+                "",
+                "preflight goes through MAVSDK, which cannot sign, and stops here; "
+                "expected none: fly --dry-run looks at a vehicle that signs",
+            )
+        )
+    sortie = None if mission is None else faults.collect(lambda: read_sortie(mission, vehicle, Output.AUTO))
+    faults.raise_any()
+    raise typer.Exit(look(connect, sortie, upload=upload, as_json=json))
+
+
+def status(json: Json = False) -> None:
+    """What the companions on this computer are doing: asked from another terminal."""
+    from companion.cli.status import status as tell
+
+    raise typer.Exit(tell(json))
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    for command in (preflight, status):
+        app.command()(command)

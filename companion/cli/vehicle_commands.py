@@ -1,0 +1,72 @@
+"""``companion vehicle``: what is done with a vehicle itself, beside flying it."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from companion.cli.options import Connect
+
+vehicle = typer.Typer(no_args_is_help=True, help="A vehicle itself: its signing key.")
+
+
+@vehicle.command()
+def sign(
+    connect: Connect,
+    signing_key: Annotated[Path, typer.Option("--signing-key", help="The key: 64 hexadecimal digits, mode 0600.")],
+    trust_link: Annotated[
+        bool, typer.Option("--trust-link", help="The key goes in plain text over a network; nobody else listens there.")
+    ] = False,
+) -> None:
+    """Give a vehicle its signing key, while it is disarmed: from then on it takes orders only from who has the key."""
+    from companion.cli.finish import COMPLETED, NO_VEHICLE, refuse
+    from companion.cli.orders import Faults
+    from companion.cli.terminal import say, tell
+    from companion.config.signing_key import read_key
+    from companion.config.syntax.faults import Fault
+    from companion.daemon.address import parsed
+    from companion.daemon.key_giving import give_key
+    from companion.daemon.loop import NoVehicleError, clock
+    from companion.daemon.signing_files import signing_with
+    from companion.mavlink.key_setup import KeySetup
+
+    faults = Faults()
+    open_port = faults.collect(lambda: parsed(connect))
+    key = faults.collect(lambda: read_key(signing_key))
+    faults.raise_any()
+    assert open_port is not None and key is not None
+    port = open_port()
+    try:
+        if port.exposed and not trust_link:
+            faults.add(
+                Fault(
+                    "--connect",
+                    0,
+                    "",
+                    f"{port.describe()}: the key would go in plain text over a network; "
+                    "use a serial line, USB or loopback, or give --trust-link where nobody else listens",
+                )
+            )
+            faults.raise_any()
+        with signing_with(key, time.time() - clock()) as signing:
+            setup = KeySetup(signing, stream=port.stream)
+            say(f"listening to {port.describe()} for a vehicle that is to sign")
+            give_key(setup, port)
+    except NoVehicleError as error:
+        say(str(error))
+        raise typer.Exit(NO_VEHICLE) from None
+    finally:
+        port.close()
+    if setup.refusal is not None:
+        raise typer.Exit(refuse(setup.refusal, as_json=False, what="no key was taken"))
+    took = "signs with this key already" if setup.already else "has taken the key and signs"
+    tell(f"the vehicle {took}; every command needs it from now on: --signing-key {signing_key}")
+    raise typer.Exit(COMPLETED)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group."""
+    app.add_typer(vehicle, name="vehicle")
