@@ -97,6 +97,7 @@ class Recorder:
         try:
             self._place.make()
             self._write_given()
+            self._place.mine(self._tlog.path.name)
             self._tlog.write()
         except OSError as error:
             self._place.judge(error)
