@@ -8,7 +8,7 @@ from pathlib import Path
 
 from companion.cli.orders import Sortie, read_sortie
 from companion.cli.output import Output
-from companion.cli.terminal import say
+from companion.cli.terminal import busy, say
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.feasibility import report as feasibility
 from companion.feasibility.document import as_document
@@ -52,7 +52,8 @@ def looked_at(sortie: Sortie) -> tuple[Sortie, Report]:
     for note in sortie.mission.notes:
         say(f"note: {note}")
     try:
-        found = feasibility.check(sortie.mission, sortie.vehicle)
+        with busy(f"checking {sortie.mission.name}"):
+            found = feasibility.check(sortie.mission, sortie.vehicle)
     except (ValueError, ArithmeticError) as error:
         raise ConfigError([Fault(sortie.mission_source.name, 1, "path", str(error))]) from None
     return dataclasses.replace(sortie, mission=found.mission), found

@@ -8,26 +8,28 @@ from typing import Annotated
 
 import typer
 
-from companion.cli import file_commands, look_commands, vehicle_commands
+from companion.cli import file_commands, look_commands, record_commands, vehicle_commands
 from companion.cli.options import (
     Connect,
     Duration,
     Json,
     MissionName,
     OutputName,
+    Quiet,
     Record,
     Report,
     Settle,
     SigningKey,
+    SimulatedDuration,
     VehicleName,
+    Verbose,
+    WorldName,
 )
-from companion.cli.output import Ends, LawOutput, Output, WhoStarts
-from companion.cli.terminal import open_standard_streams, say
-from companion.plain_text import printable
+from companion.cli.output import Ends, Output, WhoStarts
+from companion.cli.terminal import be_normal, detail, open_standard_streams, warn
 from companion.vehicle import CompanionError
 
 app = typer.Typer(
-    add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -46,10 +48,12 @@ def _print_version(wanted: bool) -> None:
 @app.callback()
 def options(
     version: Annotated[
-        bool, typer.Option("--version", "-V", callback=_print_version, is_eager=True, help="Print it and exit.")
+        bool,
+        typer.Option("--version", "-V", callback=_print_version, is_eager=True, help="Print the version and exit."),
     ] = False,
 ) -> None:
     """What every command takes."""
+    be_normal()
 
 
 @app.command()
@@ -57,7 +61,9 @@ def check(
     mission: MissionName,
     vehicle: VehicleName = None,
     json: Json = False,
-    plot: Annotated[Path | None, typer.Option("--plot", help="A picture of the path: .png, .svg or .pdf.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", metavar="FILE", help="Draw the path into a .png, .svg or .pdf.")
+    ] = None,
 ) -> None:
     """Say whether a vehicle can fly a mission, how fast at most, and where it is tight. Nothing is flown."""
     from companion.cli.check import check as look
@@ -70,22 +76,27 @@ def sim(
     mission: MissionName,
     vehicle: VehicleName = None,
     output: OutputName = Output.AUTO,
-    world: Annotated[str, typer.Option(help="A name in configs/worlds, or a world file.")] = "ideal",
-    seed: Annotated[int, typer.Option(help="Of every chance in the world.")] = 0,
-    from_ground: Annotated[bool, typer.Option("--from-ground", help="Arm and take off first; land after.")] = False,
-    duration: Duration = None,
+    world: WorldName = "ideal",
+    seed: Annotated[int, typer.Option(metavar="N", help="Random seed for wind, noise and link loss.")] = 0,
+    from_ground: Annotated[
+        bool, typer.Option("--from-ground", help="Begin on the ground: arm, take off, and land at the end.")
+    ] = False,
+    duration: SimulatedDuration = None,
     settle: Settle = 10.0,
-    udp: Annotated[bool, typer.Option("--udp", help="Two processes over UDP in real time, not lockstep.")] = False,
+    udp: Annotated[
+        bool, typer.Option("--udp", help="Run vehicle and companion as two processes over UDP, in real time.")
+    ] = False,
     record: Record = None,
     report: Report = True,
     json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Fly a mission in simulation."""
     from companion.cli.check import looked_at
     from companion.cli.finish import Ending
     from companion.cli.orders import Faults, check_record, read_sortie, read_world
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
-    from companion.cli.terminal import say
     from companion.feasibility.words import headline
     from companion.record.folder import new_directory
 
@@ -97,7 +108,8 @@ def sim(
     assert sortie is not None and simulated is not None
     sortie, found = looked_at(sortie)
     if not found.feasible:
-        say(f"warning: {headline(found)}")
+        warn(f"warning: {headline(found)}")
+    detail(f"mission {sortie.mission_source.name}, vehicle {sortie.vehicle_source.name}, world {simulated.file}")
     simulation = Simulation(
         sortie=sortie,
         simulated=simulated,
@@ -116,38 +128,57 @@ def fly(
     vehicle: VehicleName = None,
     output: OutputName = Output.AUTO,
     set_parameters: Annotated[
-        bool, typer.Option("--set-parameters", help="Set what rates need (COM_OF_LOSS_T) and set it back afterwards.")
+        bool,
+        typer.Option("--set-parameters", help="Set COM_OF_LOSS_T as --output needs it, and set it back afterwards."),
     ] = False,
     start: Annotated[
         WhoStarts | None,
         typer.Option(
-            "--start", help="Who arms and selects OFFBOARD. [default: pilot on a serial line, else companion]"
+            "--start",
+            help="Who arms and selects OFFBOARD.",
+            show_default="pilot on a serial line, else companion",
         ),
     ] = None,
     finish: Annotated[
-        Ends | None, typer.Option("--finish", help="What follows the path. [default: land if it began on the ground]")
+        Ends | None,
+        typer.Option(
+            "--finish",
+            help="What the vehicle does after the path.",
+            show_default="land if it began on the ground, else hold",
+        ),
     ] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Do everything but arm and command.")] = False,
-    bench: Annotated[
-        bool, typer.Option("--bench", help="Propellers off: tilt it by hand, and see the commands point back.")
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Do everything except arming and sending setpoints.")
     ] = False,
-    tube: Annotated[float, typer.Option(min=0.5, help="m from the path at which the vehicle is handed back.")] = 5.0,
+    bench: Annotated[
+        bool, typer.Option("--bench", help="Propellers off: tilt the vehicle by hand and see the commands point back.")
+    ] = False,
+    tube: Annotated[
+        float, typer.Option(metavar="M", min=0.5, help="Metres from the path at which the vehicle is handed back.")
+    ] = 5.0,
     floor: Annotated[
-        float | None, typer.Option(help="m above home that are kept. [default: 1, or less for a low path]")
+        float | None,
+        typer.Option(metavar="M", help="Least height above home, in metres.", show_default="1, or less for a low path"),
     ] = None,
-    ceiling: Annotated[float | None, typer.Option(help="m above home that are not exceeded.")] = None,
+    ceiling: Annotated[
+        float | None, typer.Option(metavar="M", help="Greatest height above home, in metres.", show_default="none")
+    ] = None,
     draw: Annotated[
-        bool, typer.Option("--draw", help="Upload the curve as mission items: it shows on the ground station's map.")
+        bool,
+        typer.Option("--draw", help="Upload the path as mission items: the ground station shows it on its map."),
     ] = False,
     duration: Duration = None,
     settle: Settle = 10.0,
     record: Record = None,
     report: Report = True,
     accept_infeasible: Annotated[
-        bool, typer.Option("--accept-infeasible", help="Fly even what `check` says this vehicle cannot.")
+        bool,
+        typer.Option("--accept-infeasible", help="Fly even where check says that the vehicle is too weak or too slow."),
     ] = False,
     signing_key: SigningKey = None,
     json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
     from companion.cli.check import looked_at
@@ -155,7 +186,6 @@ def fly(
     from companion.cli.flying import Flight, authority_of, most_speed_scale
     from companion.cli.flying import fly as fly_now
     from companion.cli.orders import Faults, check_record, read_sortie
-    from companion.cli.terminal import say
     from companion.config.signing_key import read_key
     from companion.daemon.address import parsed
     from companion.feasibility.words import headline
@@ -173,7 +203,7 @@ def fly(
     if not found.feasible:
         if not accept_infeasible and not found.may_be_flown:
             raise typer.Exit(refuse(f"{headline(found)} (--accept-infeasible flies it all the same)", json))
-        say(f"warning: {headline(found)}")
+        warn(f"warning: {headline(found)}")
     if dry_run and bench:
         raise CompanionError("--dry-run and --bench exclude each other; expected one of them")
     conduct = Conduct(
@@ -190,11 +220,17 @@ def fly(
 
 @app.command()
 def demo(
-    fast: Annotated[bool, typer.Option("--fast", help="In lockstep: as fast as the machine computes.")] = False,
-    plain: Annotated[bool, typer.Option("--plain", help="The undisturbed circle, begun on the path.")] = False,
+    fast: Annotated[
+        bool, typer.Option("--fast", help="As fast as the computer allows (lockstep), not in real time.")
+    ] = False,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="The undisturbed circle: begin on the path, in still air.")
+    ] = False,
     output: OutputName = Output.MOTORS,
     record: Record = None,
     json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Fly the paper's circle (r 10 m, 3 m/s) on an x500: begun off the path, held still once and let go; and write the
     report. Plant and daemon are two processes on this computer."""
@@ -203,48 +239,9 @@ def demo(
     raise typer.Exit(show(fast=fast, plain=plain, output=output, record=record, as_json=json))
 
 
-@app.command()
-def law(
-    mission: MissionName,
-    vehicle: VehicleName = None,
-    output: Annotated[LawOutput, typer.Option("--output", help="The level of the law.")] = LawOutput.MOTORS,
-) -> None:
-    """The law without a vehicle: states as JSON lines on stdin, xi, b, D and the inputs as JSON lines on stdout."""
-    from companion.cli.bare import answers
-    from companion.cli.orders import read_bare
-    from companion.law.gains import Level
-
-    level = Level.MOTORS if output is LawOutput.MOTORS else Level.RATES
-    read = read_bare(mission, vehicle, level)
-    answers(*read, level, sys.stdin, sys.stdout)
-
-
-@app.command("report")
-def report_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:
-    """Write the figures and tables of a recorded flight again."""
-    from companion.record.report import write_report
-
-    print(printable(str(write_report(directory))))
-
-
-@app.command()
-def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:
-    """Feed a flight's recorded inputs through the pilot again: the same setpoints, bit for bit."""
-    from companion.record.replay import load_flight
-    from companion.record.replay import replay as again
-
-    flight = load_flight(directory)
-    for cut in flight.cuts:
-        say(f"note: {cut}")
-    replayed = again(flight)
-    if replayed.difference is not None:
-        print(f"differs at {replayed.difference}")
-        raise typer.Exit(1)
-    print(f"{replayed.ticks} ticks, {replayed.setpoints} setpoints: the same, bit for bit")
-
-
 look_commands.register(app)
 file_commands.register(app)
+record_commands.register(app)
 vehicle_commands.register(app)
 
 
@@ -254,7 +251,7 @@ def main() -> None:
     try:
         app()
     except CompanionError as error:
-        say(str(error))
+        warn(str(error))
         sys.exit(2)
     except BrokenPipeError:
         sys.exit(1)

@@ -7,23 +7,29 @@ from typing import Annotated
 
 import typer
 
-Force = Annotated[bool, typer.Option("--force", help="Write over a file that is there.")]
+from companion.cli.options import MissionName, VehicleName
+
+Force = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
 
 
 def export(
-    mission: Annotated[
-        str, typer.Argument(metavar="MISSION", help="A mission file, a plan, or a name in configs/missions.")
-    ],
-    plan: Annotated[Path | None, typer.Option("--plan", help="A .plan for QGroundControl to draw the path.")] = None,
-    csv: Annotated[Path | None, typer.Option("--csv", help="A table of the path, place by place.")] = None,
-    vehicle: Annotated[str | None, typer.Option("--vehicle", help="Whose speeds, where they are auto.")] = None,
+    mission: MissionName,
+    plan: Annotated[
+        Path | None, typer.Option("--plan", metavar="FILE", help="Write a .plan that QGroundControl draws.")
+    ] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write a table of the path.")] = None,
+    vehicle: VehicleName = None,
     home: Annotated[
-        str | None, typer.Option("--home", metavar="LAT,LON,M", help="Home, for missions that name no place.")
+        str | None,
+        typer.Option("--home", metavar="LAT,LON,M", help="The home position, for missions that name no place."),
     ] = None,
     tolerance: Annotated[
-        float, typer.Option(min=0.001, max=100.0, help="m, how far the plan's legs may stray from the path.")
+        float,
+        typer.Option(metavar="M", min=0.001, max=100.0, help="Metres that the plan's legs may be from the path."),
     ] = 0.1,
-    spacing: Annotated[float, typer.Option(min=0.001, max=1000.0, help="m between the rows of the table.")] = 0.5,
+    spacing: Annotated[
+        float, typer.Option(metavar="M", min=0.001, max=1000.0, help="Metres between the rows of the table.")
+    ] = 0.5,
     force: Force = False,
 ) -> None:
     """Write a mission as a plan that QGroundControl draws, or as a table. Nothing is flown."""
@@ -41,7 +47,9 @@ def new(
             "plan), vehicle or world.",
         ),
     ],
-    file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="Where to. [default: KIND.yaml]")] = None,
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE]", help="The file to write.", show_default="KIND.yaml")
+    ] = None,
     force: Force = False,
 ) -> None:
     """Write a commented example of a mission, a vehicle or a world, to begin from."""

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from companion.cli.around import begin_record, failed, listen_to, no_vehicle
-from companion.cli.finish import INTERRUPTED, Ended, Ending, finish, say
+from companion.cli.finish import INTERRUPTED, Ended, Ending, finish
 from companion.cli.orders import Sortie
 from companion.cli.output import WhoStarts
+from companion.cli.terminal import say
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.last_resort import told
 from companion.daemon.loop import NoVehicleError, clock, run

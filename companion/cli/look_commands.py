@@ -12,11 +12,13 @@ from companion.cli.output import Output
 
 def preflight(
     connect: Connect,
-    mission: Annotated[str | None, typer.Argument(metavar="[MISSION]", help="Where it would run, too.")] = None,
+    mission: Annotated[
+        str | None, typer.Argument(metavar="[MISSION]", help="Say where this mission would run, too.")
+    ] = None,
     vehicle: VehicleName = None,
     upload: Annotated[
         bool,
-        typer.Option("--upload", help="Put the curve into the vehicle's mission, and the fence into its geofence."),
+        typer.Option("--upload", help="Upload the path as the vehicle's mission, and the fence as its geofence."),
     ] = False,
     signing_key: SigningKey = None,
     json: Json = False,

@@ -1,4 +1,4 @@
-"""Arguments and options that several commands take."""
+"""The options that several commands take, in plain English, with their defaults and their tab completion."""
 
 from __future__ import annotations
 
@@ -8,21 +8,109 @@ from typing import Annotated
 import typer
 
 from companion.cli.output import Output
+from companion.cli.terminal import be_quiet, be_verbose
 
-MissionName = Annotated[str, typer.Argument(metavar="MISSION", help="A mission file, or a name in configs/missions.")]
+
+def _named(kind: str, incomplete: str) -> list[str]:
+    from companion.config.syntax.file_lookup import names
+
+    return [name for name in names(kind) if name.startswith(incomplete)]
+
+
+def complete_mission(incomplete: str) -> list[str]:
+    """The shipped missions; a shell completes files by itself where none of them begins so."""
+    return _named("missions", incomplete)
+
+
+def complete_vehicle(incomplete: str) -> list[str]:
+    """The shipped vehicles."""
+    return _named("vehicles", incomplete)
+
+
+def complete_world(incomplete: str) -> list[str]:
+    """The shipped worlds."""
+    return _named("worlds", incomplete)
+
+
+MISSION_HELP = "A mission file, a plan (.plan, .waypoints), or a name from configs/missions."
+CONNECT_HELP = "Where the vehicle is: udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD."
+
+MissionName = Annotated[str, typer.Argument(metavar="MISSION", help=MISSION_HELP, autocompletion=complete_mission)]
 VehicleName = Annotated[
-    str | None, typer.Option("--vehicle", help="A name in configs/vehicles, or a vehicle file. [default: x500]")
+    str | None,
+    typer.Option(
+        "--vehicle",
+        metavar="NAME",
+        help="The vehicle: a name from configs/vehicles, or a vehicle file.",
+        show_default="the mission's own, else x500",
+        autocompletion=complete_vehicle,
+    ),
 ]
-OutputName = Annotated[Output, typer.Option("--output", help="The level at which setpoints go out.")]
-Json = Annotated[bool, typer.Option("--json", help="stdout is one JSON document; words go to stderr.")]
-SigningKey = Annotated[
-    Path | None, typer.Option("--signing-key", help="Sign, and believe only who signs: 64 hex digits, mode 0600.")
+WorldName = Annotated[
+    str,
+    typer.Option(
+        "--world",
+        metavar="NAME",
+        help="The simulated world: a name from configs/worlds, or a world file.",
+        autocompletion=complete_world,
+    ),
 ]
-Record = Annotated[Path | None, typer.Option("--record", help="The flight folder. [default: flights/DATE-TIME-NAME]")]
+OutputName = Annotated[
+    Output,
+    typer.Option(
+        "--output", help="What is sent to the vehicle. auto: motor commands only where it takes them, else body rates."
+    ),
+]
+Connect = Annotated[str, typer.Option(metavar="URL", help=CONNECT_HELP)]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout; words go to stderr.")]
+Record = Annotated[
+    Path | None,
+    typer.Option(
+        "--record", metavar="DIR", help="The folder for the flight's record.", show_default="flights/DATE-TIME-NAME"
+    ),
+]
 Report = Annotated[
     bool,
     typer.Option("--report/--no-report", envvar="COMPANION_REPORT", help="Write report.html into the flight folder."),
 ]
-Settle = Annotated[float, typer.Option("--settle", min=0.0, help="s of following after which the flight is settled.")]
-Duration = Annotated[float | None, typer.Option("--duration", min=0.1, help="s of following.")]
-Connect = Annotated[str, typer.Option(help="udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD.")]
+Settle = Annotated[
+    float,
+    typer.Option("--settle", metavar="S", min=0.0, help="Seconds after which the flight counts as settled."),
+]
+Duration = Annotated[
+    float | None,
+    typer.Option(
+        "--duration",
+        metavar="S",
+        min=0.1,
+        help="Seconds to follow the path.",
+        show_default="the mission's laps; without laps, an open path to its end and a closed one until stopped",
+    ),
+]
+SimulatedDuration = Annotated[
+    float | None,
+    typer.Option(
+        "--duration",
+        metavar="S",
+        min=0.1,
+        help="Seconds to follow the path.",
+        show_default="the mission's laps; without laps, an open path to its end and a closed one for 60 s",
+    ),
+]
+SigningKey = Annotated[
+    Path | None,
+    typer.Option(
+        "--signing-key",
+        metavar="FILE",
+        help="Sign what is sent and believe only what is signed: a file of 64 hex digits, mode 0600.",
+        show_default="unsigned",
+    ),
+]
+Quiet = Annotated[
+    bool,
+    typer.Option("--quiet", "-q", callback=be_quiet, help="Say only warnings, faults and the result."),
+]
+Verbose = Annotated[
+    bool,
+    typer.Option("--verbose", "-v", callback=be_verbose, help="Say more: the files used, progress each second."),
+]

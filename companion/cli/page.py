@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from companion.cli.terminal import say
+from companion.cli.terminal import busy, say
 from companion.daemon.last_resort import told
 from companion.vehicle import CompanionError
 
 
 def write_page(directory: Path) -> None:
     """Write ``report.html`` and say where; where it cannot be, say how it can be made."""
-    say("writing the report ...")
     try:
         from companion.record.report import write_report
 
-        say(f"report: {write_report(directory)}")
+        with busy("drawing the report"):
+            page = write_report(directory)
+        say(f"report: {page}")
     except CompanionError as error:
         say(f"no report: {error}; then: companion report {directory}")
     except Exception as error:  # the flight is flown and recorded: a page that fails must not make it a failure

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from companion.cli.around import begin_record, failed, listen_to, no_vehicle
-from companion.cli.finish import INTERRUPTED, Ended, Ending, finish, say
+from companion.cli.finish import INTERRUPTED, Ended, Ending, finish
 from companion.cli.lockstep import fly
 from companion.cli.orders import Sortie
 from companion.cli.story import Story
+from companion.cli.terminal import is_verbose, say
 from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
@@ -37,7 +38,8 @@ from sim_bridge.truth_file import TruthFile
 
 DEFAULT_DURATION = 60.0
 """s of following for a mission that says neither laps nor is told a duration."""
-SIMULATED_PROGRESS = 5.0
+SIMULATED_PROGRESS, VERBOSE_PROGRESS = 5.0, 1.0
+"""s of simulated time between two lines of progress."""
 SIMULATED_FLUSH = 1.0
 """s of simulated time between two writes of the record: a kill costs no more of it, and memory stays as it is."""
 OVERHEAD = 300.0
@@ -135,7 +137,7 @@ class _Journal:
     def __init__(self, recorder: Recorder, story: Story) -> None:
         self._recorder = recorder
         self._story = story
-        self._shown = Watch(SIMULATED_PROGRESS)
+        self._shown = Watch(VERBOSE_PROGRESS if is_verbose() else SIMULATED_PROGRESS)
         self._flushed_at = 0.0
 
     def write(self, conductor: Conductor, now: float) -> None:

@@ -7,13 +7,19 @@ started without any of them.
 from __future__ import annotations
 
 import contextlib
+import enum
 import os
 import select
 import sys
+import threading
+import time
+from collections.abc import Iterator
 from typing import IO
 
 from companion.plain_text import printable_lines
 
+BUSY_AFTER, BUSY_PERIOD = 2.0, 5.0
+"""s until something that takes long is named, and between two such lines (engineering choice)."""
 PATIENCE = 0.2
 """s that a line waits for a screen that is stopped; then it is dropped (it is in notes.txt)."""
 
@@ -36,8 +42,77 @@ def open_standard_streams() -> None:
             stream.reconfigure(errors="backslashreplace")  # a name in any alphabet, a locale without it
 
 
+class Volume(enum.IntEnum):
+    """How much is said."""
+
+    QUIET = 0
+    NORMAL = 1
+    VERBOSE = 2
+
+
+_volume = Volume.NORMAL
+
+
+def be_quiet(wanted: bool) -> None:
+    """From now on only warnings and faults are said."""
+    _set(Volume.QUIET, wanted)
+
+
+def be_verbose(wanted: bool) -> None:
+    """From now on more is said."""
+    _set(Volume.VERBOSE, wanted)
+
+
+def be_normal() -> None:
+    """As at the start: every command begins so."""
+    _set(Volume.NORMAL, True)
+
+
+def _set(volume: Volume, wanted: bool) -> None:
+    global _volume
+    if wanted:
+        _volume = volume
+
+
+def is_verbose() -> bool:
+    """Whether more is to be said."""
+    return _volume is Volume.VERBOSE
+
+
 def say(text: str) -> None:
-    """A line for a person: always on stderr, so that stdout is the result's."""
+    """A line for a person: always on stderr, so that stdout is the result's. Not where it is to be quiet."""
+    if _volume > Volume.QUIET:
+        warn(text)
+
+
+def detail(text: str) -> None:
+    """A line for whoever asked for more."""
+    if _volume is Volume.VERBOSE:
+        warn(text)
+
+
+@contextlib.contextmanager
+def busy(what: str) -> Iterator[None]:
+    """What goes on inside is named once it takes more than ``BUSY_AFTER`` s, and again every so often."""
+    begun, over = time.monotonic(), threading.Event()
+
+    def tell_again() -> None:
+        period = BUSY_AFTER
+        while not over.wait(period):
+            say(f"{what} ... {time.monotonic() - begun:.0f} s")
+            period = BUSY_PERIOD
+
+    teller = threading.Thread(target=tell_again, name="busy", daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        over.set()
+        teller.join()
+
+
+def warn(text: str) -> None:
+    """A line that a person must not miss, on stderr."""
     stream = sys.stderr
     if stream is not None and _takes_more(stream):
         _print(text, stream)

@@ -1,0 +1,62 @@
+"""The commands about what was flown, and about the law alone: report, replay, law."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from companion.cli.options import MissionName, VehicleName
+from companion.cli.output import LawOutput
+from companion.cli.terminal import busy, say
+from companion.plain_text import printable
+
+
+def law(
+    mission: MissionName,
+    vehicle: VehicleName = None,
+    output: Annotated[
+        LawOutput, typer.Option("--output", help="The level of the law: motor torques or body rates.")
+    ] = LawOutput.MOTORS,
+) -> None:
+    """The law without a vehicle: states as JSON lines on stdin, xi, b, D and the inputs as JSON lines on stdout."""
+    from companion.cli.bare import answers
+    from companion.cli.orders import read_bare
+    from companion.law.gains import Level
+
+    level = Level.MOTORS if output is LawOutput.MOTORS else Level.RATES
+    read = read_bare(mission, vehicle, level)
+    answers(*read, level, sys.stdin, sys.stdout)
+
+
+def report_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:
+    """Write the figures and tables of a recorded flight again."""
+    from companion.record.report import write_report
+
+    with busy("drawing the report"):
+        page = write_report(directory)
+    print(printable(str(page)))
+
+
+def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:
+    """Feed a flight's recorded inputs through the pilot again: the same setpoints, bit for bit."""
+    from companion.record.replay import load_flight
+    from companion.record.replay import replay as again
+
+    flight = load_flight(directory)
+    for cut in flight.cuts:
+        say(f"note: {cut}")
+    with busy("replaying"):
+        replayed = again(flight)
+    if replayed.difference is not None:
+        print(f"differs at {replayed.difference}")
+        raise typer.Exit(1)
+    print(f"{replayed.ticks} ticks, {replayed.setpoints} setpoints: the same, bit for bit")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    for name, command in (("law", law), ("report", report_command), ("replay", replay)):
+        app.command(name)(command)
