@@ -2,34 +2,29 @@
 
 from __future__ import annotations
 
-import math
-
 from companion.frames import Quaternion, Vec3
 from companion.geodesy import MapProjection
 from companion.mavlink.modes import Landed, Mode
-from companion.mavlink_common import MAV_FRAME_GLOBAL_INT, MAV_FRAME_GLOBAL_RELATIVE_ALT_INT, MavResult, MavSeverity
+from companion.mavlink_common import MavResult, MavSeverity
 from companion.vehicle import Vehicle
 from companion.world import Battery as Pack
 from companion.world import Home
 from sim_bridge.autopilot import parameters
-from sim_bridge.autopilot.commander import failsafe_flags
+from sim_bridge.autopilot.commander.arming_checks import HealthAndArmingChecks
 from sim_bridge.autopilot.commander.battery import Battery
 from sim_bridge.autopilot.commander.commander import MANUAL, READY_AFTER, Commander
-from sim_bridge.autopilot.commander.contacts import Contacts
 from sim_bridge.autopilot.commander.events import Events
 from sim_bridge.autopilot.commander.fence_watch import FenceWatch
-from sim_bridge.autopilot.commander.health_report import HealthReport
 from sim_bridge.autopilot.commander.home_position import HomePosition
 from sim_bridge.autopilot.commander.landing import LandingDetector
-from sim_bridge.autopilot.commander.tilt_watch import TiltWatch
 from sim_bridge.autopilot.flight_modes.guidance import Guidance, TakeOff, Throttle
 from sim_bridge.autopilot.flight_modes.manual import BY_PLACE_OR_HEIGHT, StickFlight
 from sim_bridge.autopilot.flight_modes.manual_control import CENTRED, Deflection, Sticks
 from sim_bridge.autopilot.flight_modes.offboard import PlaceFlight
 from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
 from sim_bridge.autopilot.flight_modes.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
-from sim_bridge.autopilot.missions import mission_watch
 from sim_bridge.autopilot.missions.flight import MissionFlight
+from sim_bridge.autopilot.missions.mission_watch import MissionWatch
 from sim_bridge.autopilot.missions.store import Store
 from sim_bridge.control.cascade import Cascade
 from sim_bridge.plant import Truth
@@ -64,17 +59,18 @@ class Autopilot:
         self.battery = Battery(self.parameters)
         self.commander = Commander(self.parameters, READY_AFTER)
         self.events = Events()
-        self._health = HealthReport()
-        self.contacts = Contacts(self.parameters, self.commander)
-        self.tilt = TiltWatch(self.parameters)
         self.missions = Store()
         self.mission = MissionFlight(self.parameters, self.missions, self.projection, home.altitude)
         self.guidance = Guidance(self.parameters, self.mission)
         self.fence = FenceWatch(self.parameters, self.missions, self.projection, self.commander)
-        self.mission_checked: tuple[object, ...] = ()
-        self.home_position = HomePosition(self.guidance)
+        self.home_position = HomePosition(self.guidance, home, self.projection)
+        self.mission_watch = MissionWatch(
+            self.parameters, self.commander, self.missions, self.mission, self.guidance, self.home_position, self.fence,
+            home, self.projection,
+        )  # fmt: skip
         self.cascade = Cascade(vehicle, step)
         self.sticks = Sticks(self.parameters)
+        self.checks = HealthAndArmingChecks(self.parameters, self.commander, self.battery, self.fence, self.sticks)
         self.stick_flight = StickFlight(self.parameters, self.cascade.hover, vehicle.gravity)
         self.place_flight = PlaceFlight(self.parameters)
         self._step = step
@@ -188,29 +184,13 @@ class Autopilot:
         commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
-        failsafe_flags.gather(self, SUPERVISION_US * 1e-6)
-        mission_watch.look_after(self)
+        rates_alone = isinstance(self.demand, RateDemand | MotorDemand)
+        self.checks.update(SUPERVISION_US * 1e-6, self.t, estimate, self.home_position.p_n, rates_alone)
+        self.mission_watch.update(estimate, self.t)
         commander.update(self.t)
-        for said in self._health.update(self.t, failsafe_flags.known_to_the_health_report(self)):
+        for said in self.checks.report(self.t):
             self.events.keep(*said, estimate.time_us)
         self.home_position.update(estimate, commander.armed, commander.landed)
-
-    def place_of(self, latitude: float, longitude: float, altitude: float, frame: int) -> Vec3 | None:
-        """A place on the globe (degrees, m of ``frame``) in the local frame; None: it cannot be known."""
-        if not self.home_position.position_known or not math.isfinite(altitude):
-            return None
-        if frame == MAV_FRAME_GLOBAL_RELATIVE_ALT_INT:
-            if self.home_position.home_set_us is None:
-                return None
-            altitude += self.home_altitude
-        elif frame != MAV_FRAME_GLOBAL_INT:  # above the terrain, which is flat
-            altitude += self.home.altitude
-        return (*self.projection.project(latitude, longitude), self.home.altitude - altitude)
-
-    @property
-    def home_altitude(self) -> float:
-        """m above the sea."""
-        return self.home.altitude - self.guidance.home_n[2]
 
     def offboard(self, demand: Demand) -> None:
         """An offboard setpoint. Motor commands count only where the vehicle takes them."""
@@ -250,8 +230,7 @@ class Autopilot:
         if self.commander.mode is Mode.HOLD:
             before = self.guidance.destination or self.estimate.p_n
             place = (*(before[:2] if level is None else level), before[2] if down is None else down)
-            home = self.guidance.home_n if self.home_position.home_set_us is not None else None
-            if self.parameters["GF_ACTION"] and self.fence.broken_at(place, home):
+            if self.parameters["GF_ACTION"] and self.fence.broken_at(place, self.home_position.p_n):
                 self.commander.say(MavSeverity.CRITICAL, "Reposition is outside geofence\t")
                 return
             if self._flown is not Mode.HOLD:

@@ -8,7 +8,7 @@ from typing import Any
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.commander.event_table import event_table
 from sim_bridge.autopilot.commander.events import PLAIN, event_of
-from sim_bridge.autopilot.commander.health_report import Known, report
+from sim_bridge.autopilot.commander.health_report import Health, report
 from tests.support.plant_client import ARM, NAN, TAKEOFF, Client
 
 EXTERNAL_COMMAND, HOLD = 4, 5
@@ -129,7 +129,7 @@ def test_every_event_is_described() -> None:
     sizes |= {name: sizes[kind["type"]] for name, kind in component["enums"].items()}
     events_of = {name: group["events"] for name, group in component["event_groups"].items()}
     described = {int(identity): event for group in events_of.values() for identity, event in group.items()}
-    said = report(Known(False, False, Mode.LAND, False, False, False, False, True, True))
+    said = report(Health(False, False, Mode.LAND, False, False, False, False, True, True))
     assert {event.id for event in said} == set(CHECKS.values())
     texts = [
         *PLAIN, "Armed by mission start", "Failsafe activated", "Failsafe activated: entering Hold for 5 seconds",

@@ -3,7 +3,8 @@
 commander       arming, modes, what is said of them: no I/O, no physics
 failsafe        what to do when something is wrong: PX4's state machine
 failsafe_checks what can go wrong, and what the parameters ask for then
-failsafe_flags  the facts these decide by, kept up to date
+failsafe_flags  what is wrong, as these decide by it
+arming_checks   looks at battery, contacts, fence, sticks and tilt, and raises the flags
 health_report   in which modes it could be armed and flown, and why not
 contacts        who has been heard lately
 battery         how full it is

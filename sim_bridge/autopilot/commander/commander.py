@@ -19,12 +19,8 @@ from sim_bridge.autopilot.commander.failsafe import (
     Situation,
     UserTakeoverAllowed,
 )
-from sim_bridge.autopilot.commander.failsafe_checks import (
-    FailsafeFlags,
-    StateAtArming,
-    check_mode_fallback,
-    check_state_and_mode,
-)
+from sim_bridge.autopilot.commander.failsafe_checks import StateAtArming, check_mode_fallback, check_state_and_mode
+from sim_bridge.autopilot.commander.failsafe_flags import FailsafeFlags
 from sim_bridge.autopilot.parameters import Parameters
 
 READY_AFTER = 4.4

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.commander.battery import ChargeState
 from sim_bridge.autopilot.commander.failsafe import Action, ActionOptions, ClearCondition, UserTakeoverAllowed
+from sim_bridge.autopilot.commander.failsafe_flags import FailsafeFlags
 from sim_bridge.autopilot.parameters import Parameters
 
 CBRK_FLIGHTTERM_ENGAGED = 121212
@@ -56,21 +57,6 @@ _EXCEPTION_BIT = {Mode.MISSION: 1, Mode.OFFBOARD: 4, Mode.ALTITUDE_CRUISE: 16} |
     2,
 )  # fmt: skip
 """The bit of COM_RCL_EXCEPT and COM_DLL_EXCEPT that forgives a lost link in a mode."""
-
-
-@dataclass(slots=True)
-class FailsafeFlags:
-    """What is known about the vehicle and its links; whoever knows it keeps it up to date."""
-
-    manual_control_signal_lost: bool = True
-    gcs_connection_lost: bool = True
-    offboard_control_signal_lost: bool = True
-    auto_mission_missing: bool = True
-    mission_failure: bool = False
-    mission_finished: bool = False
-    geofence_breached: bool = False
-    fd_critical_failure: bool = False
-    battery_warning: ChargeState = ChargeState.OK
 
 
 @dataclass(slots=True)

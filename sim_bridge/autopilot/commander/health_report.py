@@ -50,17 +50,17 @@ PROTOCOL, ERROR, WARNING, INFO = 0x88, 0x33, 0x44, 0x66
 """Log levels, to the log and to others."""
 
 
-class Known(NamedTuple):
-    """What a report is made from. ``operator_needed``, ``mission_needed``: parameters make these a matter of arming."""
+class Health(NamedTuple):
+    """What a report is made from. ``gcs_needed``, ``mission_needed``: parameters make these a matter of arming."""
 
     ready: bool
     armed: bool
     mode: Mode
-    sticks: bool
-    stream: bool
+    manual_control: bool
+    offboard_signal: bool
     mission: bool
-    operator: bool
-    operator_needed: bool
+    gcs_connection: bool
+    gcs_needed: bool
     mission_needed: bool
 
 
@@ -88,38 +88,38 @@ class Check(NamedTuple):
         return Said(self.id, self.levels, struct.pack("<IB", self.told, self.part))
 
 
-def failing(known: Known) -> list[Check]:
+def failing(health: Health) -> list[Check]:
     """What stands in the way."""
     checks = []
     offboard, mission = bits(Mode.OFFBOARD), bits(Mode.MISSION)
-    if not known.stream:
+    if not health.offboard_signal:
         checks.append(Check(NO_STREAM, ERROR, offboard, offboard, offboard, SYSTEM))
-    if not known.armed and NOT_TO_ARM_IN >> NUMBERS.get(known.mode, 0) & 1:
+    if not health.armed and NOT_TO_ARM_IN >> NUMBERS.get(health.mode, 0) & 1:
         checks.append(Check(NOT_THIS_MODE, INFO, NOT_TO_ARM_IN, NOT_TO_ARM_IN, 0, SYSTEM))
-    if not known.ready:
+    if not health.ready:
         checks.append(Check(NO_PLACE, ERROR, WITH_A_PLACE, WITH_A_PLACE, WITH_A_PLACE, LOCAL_POSITION))
         checks.append(Check(NO_GLOBE, ERROR, WITH_THE_GLOBE, WITH_THE_GLOBE, WITH_THE_GLOBE, GLOBAL_POSITION))
-    if not known.mission:
-        kept = ALL_BITS if known.mission_needed else mission
+    if not health.mission:
+        kept = ALL_BITS if health.mission_needed else mission
         checks.append(Check(NO_MISSION, INFO, kept, kept, mission, SYSTEM))
-    if not known.sticks:
+    if not health.manual_control:
         checks.append(Check(NO_STICKS, WARNING, ALL_BITS, WITH_STICKS, WITH_STICKS, REMOTE_CONTROL))
-    if not known.operator:
-        kept, levels = (ALL_BITS, WARNING) if known.operator_needed else (0, INFO)
+    if not health.gcs_connection:
+        kept, levels = (ALL_BITS, WARNING) if health.gcs_needed else (0, INFO)
         checks.append(Check(NO_OPERATOR, levels, ALL_BITS, kept, 0, COMMUNICATION))
     return checks
 
 
-def report(known: Known) -> list[Said]:
+def report(health: Health) -> list[Said]:
     """The events of a report, in their order."""
     errors = warnings = 0
     can_arm = can_run = EVERY
-    checks = failing(known)
+    checks = failing(health)
     for check in checks:
         can_arm, can_run = can_arm & ~check.no_arming, can_run & ~check.no_flying
         errors |= (check.levels == ERROR) << check.part
         warnings |= (check.levels == WARNING) << check.part
-    present = PRESENT | known.ready << GPS | known.operator << COMMUNICATION
+    present = PRESENT | health.ready << GPS | health.gcs_connection << COMMUNICATION
     return [
         Said(ARMING_SUMMARY, PROTOCOL, struct.pack("<BIIII", 0, errors, warnings, can_arm, can_run)),
         *(check.said for check in checks),
@@ -131,13 +131,13 @@ class HealthReport:
     """When it is said."""
 
     def __init__(self) -> None:
-        self._known: Known | None = None
+        self._health: Health | None = None
         self._next_at = PERIOD
 
-    def update(self, t: float, known: Known) -> list[Said]:
+    def update(self, t: float, health: Health) -> list[Said]:
         """What is to be said at ``t`` (s)."""
-        if known == self._known or t < self._next_at:
+        if health == self._health or t < self._next_at:
             return []
-        before, self._known, self._next_at = self._known, known, t + PERIOD
-        said = report(known)
+        before, self._health, self._next_at = self._health, health, t + PERIOD
+        said = report(health)
         return [] if before is not None and report(before) == said else said

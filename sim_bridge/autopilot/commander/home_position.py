@@ -9,6 +9,9 @@ from __future__ import annotations
 import math
 
 from companion.frames import Quaternion, Vec3
+from companion.geodesy import MapProjection
+from companion.mavlink_common import MAV_FRAME_GLOBAL_INT, MAV_FRAME_GLOBAL_RELATIVE_ALT_INT
+from companion.world import Home
 from sim_bridge.autopilot.flight_modes.guidance import Guidance
 from sim_bridge.sensors import Estimate
 
@@ -22,14 +25,36 @@ IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 class HomePosition:
     """``origin_set_us``, ``home_set_us``: when, on the vehicle's clock; None while not yet. Home is in ``guidance``."""
 
-    def __init__(self, guidance: Guidance) -> None:
-        self._guidance = guidance
+    def __init__(self, guidance: Guidance, ground: Home, projection: MapProjection) -> None:
+        self._guidance, self._ground, self._projection = guidance, ground, projection
         self._by_hand = False
         self._armed = False
         self.position_known = False
         self.origin_set_us: int | None = None
         self.home_set_us: int | None = None
         self.home_q: Quaternion = IDENTITY
+
+    @property
+    def p_n(self) -> Vec3 | None:
+        """m, NED; None while not known."""
+        return None if self.home_set_us is None else self._guidance.home_n
+
+    @property
+    def altitude(self) -> float:
+        """m above the sea."""
+        return self._ground.altitude - self._guidance.home_n[2]
+
+    def place_of(self, latitude: float, longitude: float, altitude: float, frame: int) -> Vec3 | None:
+        """A place on the globe (degrees, m of ``frame``) in the local frame; None: it cannot be known."""
+        if not self.position_known or not math.isfinite(altitude):
+            return None
+        if frame == MAV_FRAME_GLOBAL_RELATIVE_ALT_INT:
+            if self.home_set_us is None:
+                return None
+            altitude += self.altitude
+        elif frame != MAV_FRAME_GLOBAL_INT:  # above the terrain, which is flat
+            altitude += self._ground.altitude
+        return (*self._projection.project(latitude, longitude), self._ground.altitude - altitude)
 
     def begin_in_flight(self) -> None:
         """Everything is known; home is the origin."""

@@ -26,7 +26,6 @@ from companion.mavlink_common import (
 )
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire
-from sim_bridge.autopilot.missions.do_commands import change_speed, look_at
 from sim_bridge.autopilot.missions.store import Kind
 
 REGIONS_OF_INTEREST = (
@@ -95,7 +94,7 @@ def _change_altitude(command: Command, autopilot: Autopilot, wire: Wire) -> MavR
 
 
 def _change_speed(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
-    change_speed(command.parameters[1], autopilot)
+    autopilot.mission_watch.do_commands.change_speed(command.parameters[1])
     return MavResult.ACCEPTED
 
 
@@ -103,7 +102,7 @@ def _look(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     """A region of interest: a place, or none. It counts while a mission is flown."""
     *_, latitude, longitude, altitude = command.parameters
     if command.id == MAV_CMD_DO_SET_ROI_LOCATION:
-        look_at(latitude, longitude, altitude, autopilot)
+        autopilot.mission_watch.do_commands.look_at(latitude, longitude, altitude)
     else:
         autopilot.mission.interest = None
     return MavResult.ACCEPTED

@@ -251,7 +251,7 @@ class Link:
 
     def _heartbeat(self, frame: Frame) -> None:
         kind = frame.values[1]
-        self._autopilot.contacts.heard(kind, self._autopilot.t)
+        self._autopilot.checks.contacts.heard(kind, self._autopilot.t)
         if kind == MAV_TYPE_GCS:
             self._ground_station_until_us = self._now_us + HEARD_FOR_US
 

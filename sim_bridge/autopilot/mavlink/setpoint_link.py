@@ -40,7 +40,7 @@ class SetpointLink:
 
     def _global_target(self, frame: Frame) -> None:
         if _targets_us(frame):
-            self._take_place(position_setpoints.global_target(frame, self._autopilot.place_of))
+            self._take_place(position_setpoints.global_target(frame, self._autopilot.home_position.place_of))
 
     def _take_place(self, demand: PositionDemand | str | None) -> None:
         if isinstance(demand, str):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+from companion.geodesy import MapProjection
 from companion.mavlink.modes import Mode
 from companion.mavlink_common import (
     MAV_CMD_DO_CHANGE_SPEED,
@@ -15,43 +15,54 @@ from companion.mavlink_common import (
     MAV_CMD_NAV_RETURN_TO_LAUNCH,
     MAV_CMD_NAV_ROI,
 )
+from companion.world import Home
+from sim_bridge.autopilot.commander.commander import Commander
+from sim_bridge.autopilot.commander.home_position import HomePosition
+from sim_bridge.autopilot.flight_modes.guidance import Guidance
 from sim_bridge.autopilot.missions.checks import altitude_of
+from sim_bridge.autopilot.missions.flight import MissionFlight
 from sim_bridge.autopilot.missions.items import Item
-
-if TYPE_CHECKING:
-    from sim_bridge.autopilot.autopilot import Autopilot
+from sim_bridge.sensors import Estimate
 
 ROI_BY_PLACE = 3  # MAV_ROI_LOCATION
 USE_HERE = 0.5
 
 
-def carry_out(item: Item, autopilot: Autopilot) -> None:
-    """Do what an item says, as far as this vehicle can: cameras and mounts it has none."""
-    command = item.command
-    if command == MAV_CMD_NAV_RETURN_TO_LAUNCH:
-        autopilot.request_mode(Mode.RETURN)
-    elif command == MAV_CMD_DO_CHANGE_SPEED:
-        change_speed(item.params[1], autopilot)
-    elif command == MAV_CMD_DO_SET_HOME and item.params[0] > USE_HERE:
-        autopilot.home_position.set_home_here(autopilot.estimate)
-    elif command == MAV_CMD_DO_SET_ROI_LOCATION or (
-        command in (MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI) and _is_a_place(item)
-    ):
-        look_at(item.x, item.y, altitude_of(item, autopilot.home_altitude), autopilot)
-    elif command in (MAV_CMD_DO_SET_ROI_NONE, MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI):
-        autopilot.mission.interest = None
+class DoCommands:
+    """Carries them out, as far as this vehicle can: cameras and mounts it has none."""
 
+    def __init__(
+        self, commander: Commander, mission: MissionFlight, guidance: Guidance, home: HomePosition, ground: Home,
+        projection: MapProjection,
+    ) -> None:  # fmt: skip
+        self._commander, self._mission, self._guidance, self._home = commander, mission, guidance, home
+        self._ground, self._projection = ground, projection
 
-def change_speed(speed: float, autopilot: Autopilot) -> None:
-    """The cruise speed (m/s) of the automatic modes; not positive: the usual one again."""
-    autopilot.guidance.cruise_speed = speed if math.isfinite(speed) and speed > 0.0 else None
+    def carry_out(self, item: Item, now: Estimate, t: float) -> None:
+        """Do what an item says."""
+        command = item.command
+        if command == MAV_CMD_NAV_RETURN_TO_LAUNCH:
+            self._commander.request_mode(Mode.RETURN, t)
+        elif command == MAV_CMD_DO_CHANGE_SPEED:
+            self.change_speed(item.params[1])
+        elif command == MAV_CMD_DO_SET_HOME and item.params[0] > USE_HERE:
+            self._home.set_home_here(now)
+        elif command == MAV_CMD_DO_SET_ROI_LOCATION or (
+            command in (MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI) and _is_a_place(item)
+        ):
+            self.look_at(item.x, item.y, altitude_of(item, self._home.altitude))
+        elif command in (MAV_CMD_DO_SET_ROI_NONE, MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI):
+            self._mission.interest = None
 
+    def change_speed(self, speed: float) -> None:
+        """The cruise speed (m/s) of the automatic modes; not positive: the usual one again."""
+        self._guidance.cruise_speed = speed if math.isfinite(speed) and speed > 0.0 else None
 
-def look_at(latitude: float, longitude: float, altitude: float, autopilot: Autopilot) -> None:
-    """The nose of a mission points at a place (degrees, m above the sea) from now on."""
-    if math.isfinite(latitude) and math.isfinite(longitude):
-        place = autopilot.projection.project(latitude, longitude)
-        autopilot.mission.interest = (*place, autopilot.home.altitude - altitude)
+    def look_at(self, latitude: float, longitude: float, altitude: float) -> None:
+        """The nose of a mission points at a place (degrees, m above the sea) from now on."""
+        if math.isfinite(latitude) and math.isfinite(longitude):
+            place = self._projection.project(latitude, longitude)
+            self._mission.interest = (*place, self._ground.altitude - altitude)
 
 
 def _is_a_place(item: Item) -> bool:
