@@ -16,7 +16,7 @@ from companion.places.words import place_words
 from companion.plain_text import printable
 from companion.services.audit import Finding, Weight, audited
 from companion.services.plan_check import differences
-from companion.services.vehicle import ServiceError, Vehicle, connected
+from companion.services.vehicle import ConnectedVehicle, ServiceError, connected
 
 POINTS = 60
 
@@ -42,7 +42,7 @@ def preflight(url: str, sortie: Sortie | None, *, upload: bool, as_json: bool) -
     return FAILED if dangers or slow else COMPLETED
 
 
-def _place(vehicle: Vehicle, sortie: Sortie, upload: bool) -> list[str]:
+def _place(vehicle: ConnectedVehicle, sortie: Sortie, upload: bool) -> list[str]:
     """Where the path would run, and what was uploaded."""
     where = vehicle.whereabouts()
     mission = placed(sortie.mission, Origin.TAKEOFF, where)

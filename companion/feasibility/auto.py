@@ -6,14 +6,7 @@ from dataclasses import replace
 
 from companion.mission import Mission
 from companion.profiles import AutoSpeed
-from companion.vehicle import CompanionError, Vehicle
-
-SPEED_MIN = 0.1
-"""m/s; slower than this is not flown."""
-
-
-class TooSlowError(CompanionError):
-    """No speed is slow enough for the vehicle; says where."""
+from companion.vehicle import Vehicle
 
 
 def flyable(mission: Mission, vehicle: Vehicle) -> Mission:

@@ -22,8 +22,7 @@ from scipy.sparse import csc_matrix, diags_array
 from scipy.sparse.linalg import splu
 
 from companion.feasibility.arc_spline import ArcSpline
-from companion.feasibility.auto import SPEED_MIN, TooSlowError
-from companion.feasibility.room import Room
+from companion.feasibility.room import SPEED_MIN, Room, TooSlowError
 from companion.feasibility.stations import places, stations
 from companion.mission import Mission
 from companion.profiles import AutoSpeed, SpeedProfile, hermite

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.feasibility import geometry
-from companion.feasibility.auto import SPEED_MIN, TooSlowError, flyable
+from companion.feasibility.auto import flyable
 from companion.feasibility.demand import Demand, demand
 from companion.feasibility.limits import Limit, quantities, use_without_yaw, worst, worst_use
+from companion.feasibility.room import SPEED_MIN, TooSlowError
 from companion.feasibility.stations import Stations, places, stations
 from companion.mission import GlobalOrigin, Mission
 from companion.profiles import AutoSpeed, ConstantSpeed

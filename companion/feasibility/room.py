@@ -12,7 +12,7 @@ from companion.feasibility.demand import demand
 from companion.feasibility.limits import quantities
 from companion.feasibility.stations import Stations
 from companion.profiles import AutoSpeed
-from companion.vehicle import Vehicle
+from companion.vehicle import CompanionError, Vehicle
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,13 @@ SPEED_MAX = 30.0
 """m/s, for a vehicle that states no limit."""
 END_SPEED = 1.0
 """m/s at the ends of an open path: start and end are phases of the flight, and it is not to be long in them."""
+SPEED_MIN = 0.1
+"""m/s; slower than this is not flown (engineering choice)."""
 BISECTIONS = 16
+
+
+class TooSlowError(CompanionError):
+    """No speed is slow enough for the vehicle; says where."""
 
 
 @dataclass(frozen=True)

@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.flight.phases import Phase
-from companion.frames import Vec3, rotation_matrix, tilt, wrap
 from companion.plan import Plan
 from companion.record.circumstances import software_version
 from companion.record.events import happenings
 from companion.record.found import found, found_words
+from companion.record.series import FOLLOW, PHASES, followed_series, stretches, true_series
 from companion.record.table import Table
 from companion.vehicle import OutputLevel
 
 Figures = dict[str, Any]
 Array = NDArray[np.float64]
-
-PHASES = list(Phase)
-FOLLOW = PHASES.index(Phase.FOLLOW)
-TRUTH_RATE = 100.0
-"""Hz at which the true state is measured against the path."""
 
 
 def summary(
@@ -37,7 +30,7 @@ def summary(
     simulation: Figures | None = None,
 ) -> Figures:
     """The JSON of contract ``companion.flight/1``. ``simulation``: the world, as resolved.json tells it."""
-    told = _told(table)
+    told = followed_series(table)
     result: Figures = {
         "schema": "companion.flight/1",
         "mission": plan.mission.name,
@@ -50,7 +43,7 @@ def summary(
         "settled": _settled(told, plan, settle),
     }
     if truth is not None:
-        true = _true(plan, told, truth)
+        true = true_series(plan, told, truth)
         result["truth"] = {"follow": _figures(true, plan), "settled": _settled(true, plan, settle)}
     result["loop"] = _loop(table)
     result["found"] = found(told)
@@ -60,106 +53,6 @@ def summary(
     result["notes"] = _notes(told, plan) + found_words(result["found"], plan.vehicle)
     result["record"] = record
     return result
-
-
-def _told(table: Table) -> dict[str, Array]:
-    """The followed part of a flight, one entry a steered tick. ``stretch``: a pilot may take over and give back.
-    ``t``: s of following; ``since``: s since following began, or began again. ``speed``: on the way back counted as on
-    the way out."""
-    steered = (table["phase"] == FOLLOW) & np.isfinite(table["alpha"])
-    rows = table[steered]
-    columns = {name: np.asarray(rows[name], dtype=float) for name in rows.dtype.names or ()}
-    columns["stretch"] = _stretches(table)[steered]
-    t_boot = columns["t_boot"]
-    goes_on = np.diff(columns["stretch"]) == 0
-    columns["t"] = np.cumsum(np.concatenate(([0.0], np.where(goes_on, np.diff(t_boot), 0.0))))[: len(rows)]
-    begins = np.concatenate(([True], ~goes_on))[: len(rows)]
-    columns["since"] = t_boot - t_boot[begins][np.cumsum(begins) - 1]
-    columns["speed"] = columns["speed"] * np.where(columns["ramp"] < 0.0, -1.0, 1.0)
-    columns["speed_error"] = columns["speed"] - columns["alpha"]
-    columns["roll"] = np.arctan2(
-        2.0 * (columns["q_w"] * columns["q_x"] + columns["q_y"] * columns["q_z"]),
-        1.0 - 2.0 * (columns["q_x"] ** 2 + columns["q_y"] ** 2),
-    )
-    sine = 2.0 * (columns["q_w"] * columns["q_y"] - columns["q_z"] * columns["q_x"])
-    columns["pitch"] = np.arcsin(np.clip(sine, -1.0, 1.0))
-    return columns
-
-
-def _stretches(table: Table) -> Array:
-    """Which stretch of following each row is in, counted from 1; 0 where the path is not followed."""
-    following = table["phase"] == FOLLOW
-    begins = following & ~np.concatenate(([False], following[:-1]))
-    return np.where(following, np.cumsum(begins), 0).astype(float)
-
-
-def _true(plan: Plan, told: dict[str, Array], truth: Table) -> dict[str, Array]:
-    """The same from the plant's true state, while the companion was following."""
-    t_boot = told["t_boot"]
-    if len(t_boot) == 0 or len(truth) == 0:
-        return _nothing()
-    rows = truth[(truth["t_boot"] >= t_boot[0]) & (truth["t_boot"] <= t_boot[-1])]
-    rows = rows[np.interp(rows["t_boot"], t_boot, told["stretch"]) % 1.0 == 0.0]
-    if len(rows) > 1:
-        stride = max(1, round(1.0 / TRUTH_RATE / float(np.median(np.diff(rows["t_boot"])))))
-        rows = rows[::stride]
-    names = ("stretch", "t", "since", "ramp", "speed_scale")
-    then = (np.interp(rows["t_boot"], t_boot, told[name]) for name in names)
-    collected = []
-    s: float | None = None
-    travelled, flown = 0.0, 0.0
-    for row, stretch, t, since, ramp, scale in zip(rows, *then, strict=True):
-        way = -1.0 if ramp < 0.0 else 1.0
-        p_n, v_n = _vec3(row["p_n"]), _vec3(row["v_n"])
-        if s is None or stretch != flown:
-            s, distance = plan.table.locate(p_n)
-            flown = stretch
-        else:
-            before = s
-            s, distance = plan.table.nearest(p_n, s, 1.0 + 0.2 * math.hypot(*v_n))
-            travelled += way * plan.direction * plan.table.difference(s, before)
-        _, mu, _ = plan.table.at(s)
-        w, x, y, z = map(float, row["q_nb"])
-        r_nb = rotation_matrix((w, x, y, z))
-        speed = way * (mu[0] * v_n[0] + mu[1] * v_n[1] + mu[2] * v_n[2])
-        alpha = plan.mission.alpha(s)
-        yaw = plan.mission.heading.of(r_nb)
-        collected.append(
-            (
-                float(t),
-                float(since),
-                distance,
-                speed,
-                alpha,
-                speed - alpha,
-                wrap(yaw - plan.mission.beta(s)),
-                travelled,
-                float(ramp),
-                float(scale),
-                math.atan2(r_nb[7], r_nb[8]),
-                math.asin(max(-1.0, min(1.0, -r_nb[6]))),
-                tilt(r_nb),
-                float(sum(row["rotor_thrusts"])),
-                *map(float, row["commands"]),
-            )
-        )
-    values = np.array(collected).reshape(len(collected), len(_TRUE_COLUMNS))
-    return {name: values[:, i] for i, name in enumerate(_TRUE_COLUMNS)}
-
-
-_TRUE_COLUMNS = (
-    "t", "since", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "ramp", "speed_scale",
-    "roll", "pitch", "tilt", "thrust", "sent_0", "sent_1", "sent_2", "sent_3",
-)  # fmt: skip
-
-
-def _vec3(values: Array) -> Vec3:
-    x, y, z = map(float, values)
-    return (x, y, z)
-
-
-def _nothing() -> dict[str, Array]:
-    return {name: np.zeros(0) for name in _TRUE_COLUMNS}
 
 
 def _figures(flown: dict[str, Array], plan: Plan) -> Figures:
@@ -257,7 +150,7 @@ def _loop(table: Table) -> Figures:
     """How steadily setpoints went out while following."""
     out = (table["phase"] == FOLLOW) & (table["setpoint"] > 0)
     sent = table[out]
-    gaps = np.diff(sent["now"])[np.diff(_stretches(table)[out]) == 0]
+    gaps = np.diff(sent["now"])[np.diff(stretches(table)[out]) == 0]
     latency = np.asarray(sent["latency"], dtype=float)
     latency = latency[np.isfinite(latency)] * 1e6
     spent = float(np.sum(gaps))

@@ -37,7 +37,7 @@ class ServiceError(CompanionError):
 
 
 @dataclass(frozen=True)
-class Vehicle:
+class ConnectedVehicle:
     """One vehicle that was found. ``system``: MAVSDK's."""
 
     system: Any
@@ -129,7 +129,7 @@ class Vehicle:
 
 
 @contextmanager
-def connected(url: str) -> Iterator[Vehicle | None]:
+def connected(url: str) -> Iterator[ConnectedVehicle | None]:
     """The vehicle at an address; None where no autopilot is heard. CompanionError: the address cannot be opened."""
     from mavsdk import ComponentType, Configuration, Mavsdk
     from mavsdk.connection_result import ConnectionResult
@@ -143,7 +143,7 @@ def connected(url: str) -> Iterator[Vehicle | None]:
         if result != ConnectionResult.SUCCESS:
             raise ServiceError(f"{url} cannot be opened ({result}); is it in use by another program?")
         system = sdk.first_autopilot(HEARTBEAT_WITHIN)
-        yield None if system is None else Vehicle(system)
+        yield None if system is None else ConnectedVehicle(system)
     finally:
         sdk.destroy()
 

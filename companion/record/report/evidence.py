@@ -18,8 +18,7 @@ from companion.plan import Plan
 from companion.record import rows
 from companion.record.events import Happening, happenings
 from companion.record.replay import Recorded, load_flight
-from companion.record.summary import _told as told_series
-from companion.record.summary import _true as true_series
+from companion.record.series import followed_series, true_series
 from companion.record.summary import summary
 from companion.record.table import Table
 
@@ -53,7 +52,7 @@ class Evidence:
     @cached_property
     def told(self) -> Series:
         """The followed part as the companion saw it; ``t`` is s of following."""
-        return told_series(self.table)
+        return followed_series(self.table)
 
     @cached_property
     def true(self) -> Series | None:

@@ -10,7 +10,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from companion.record.report.evidence import Array, Evidence
 from companion.record.report.palette import BLUE, FAINT, VERMILION
 from companion.record.report.style import WIDTH, named, plain
-from companion.record.summary import FOLLOW
+from companion.record.series import FOLLOW
 
 STEADY = 1e-6
 """s; gaps that differ by less are all the same."""
