@@ -120,8 +120,8 @@ class Decoder:
         size = len(data)
         if size < 12 or data[0] != MAGIC_V2:
             return None
-        check = data[1] + 10
-        if size != check + (2 if not data[2] else 2 + SIGNATURE_SIZE if data[2] == SIGNED else 0):
+        check, flags = data[1] + 10, data[2]
+        if size != (check + 2 if not flags else check + 2 + SIGNATURE_SIZE) or flags > SIGNED:
             return None
         fmt = FORMATS.get(data[7] | data[8] << 8 | data[9] << 16)
         if fmt is None or not _crc_fits(fmt, data, 0, check):
@@ -246,7 +246,7 @@ def _begins_whole(data: bytes) -> bool:
     size = len(data)
     if size < 12:
         return False
-    if data[0] == MAGIC_V2:
+    if data[0] == MAGIC_V2 and data[2] <= SIGNED:
         check = 10 + data[1]
         fmt = FORMATS.get(data[7] | data[8] << 8 | data[9] << 16)
         end = check + 2 + (SIGNATURE_SIZE if data[2] & SIGNED else 0)

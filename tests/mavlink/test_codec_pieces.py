@@ -77,6 +77,16 @@ def test_the_beginning_of_a_frame_is_kept_for_a_tenth_of_a_second() -> None:
     assert [f.raw for f in decoder.piece(frame[40:], 2.0 + 0.9 * UNFINISHED_MAX)] == [frame]
 
 
+@pytest.mark.parametrize("flags", range(2, 256, 7))
+def test_flags_that_we_do_not_know_are_never_a_frame(flags: int) -> None:
+    frame = Encoder(1, 1).message(HEARTBEAT, type=2)
+    for strange in (frame[:2] + bytes([flags]) + frame[3:end] for end in range(3, len(frame) + 1)):
+        decoder = Decoder()
+        assert decoder.piece(strange, 0.0) == []
+        assert [f.raw for f in decoder.piece(frame, 0.01)] == [frame]
+        assert decoder.datagram(strange) == []
+
+
 FLOODS = {
     "0xFE": b"\xfe",
     "0xFD": b"\xfd",
