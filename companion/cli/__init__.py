@@ -6,7 +6,9 @@ status     what the companions on this computer are doing
 bare       the law without a vehicle, state by state
 export     a mission as a plan or a table
 new        examples of every kind of file, and their schemas
+around     what every flight is wrapped in: record, signals
 finish     what every flight ends with: summary, folder, report, exit code
+terminal   stdout and stderr, which cannot hold up a flight or end it
 """
 
 from companion.cli.commands import main

@@ -1,7 +1,11 @@
 """The only room with sockets and clocks.
 
 conductor   one flight without either: datagrams and the time in, datagrams out
-loop        the conductor on a real link in real time
+loop        the conductor on a real link in real time, and the one place that catches what escapes a turn
+last_resort what is done then
+scribe      the two threads beside it: the record, the screen
+signals     what Ctrl-C and its like do to a flight
+whereabouts where the vehicle is and what to do next, for whoever ended a flight by hand
 address     udpin://, udpout:// and serial:// -> a port to read and write
 progress    what a person watching sees
 standing    the same from another terminal

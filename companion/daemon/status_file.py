@@ -29,7 +29,16 @@ TIME_MAX = 1e11
 FILES_MAX = 100
 """Files of one directory that are looked at."""
 
-SHARED = ("run/companion", "run/user/*/companion", f"{tempfile.gettempdir()}/companion-*".lstrip("/"))
+
+def _temporary_directory() -> str:
+    """Where temporary files go; the usual place where this system has none that can be written to."""
+    try:
+        return tempfile.gettempdir()
+    except OSError:
+        return "/tmp"
+
+
+SHARED = ("run/companion", "run/user/*/companion", f"{_temporary_directory()}/companion-*".lstrip("/"))
 """Where companions of other users leave theirs, seen from the root."""
 
 
@@ -78,7 +87,7 @@ def _own_directory(environment: Mapping[str, str]) -> Path:
     if given:
         return Path(given).resolve()  # a service manager may give a link
     users = environment.get("XDG_RUNTIME_DIR")
-    return Path(users) / "companion" if users else Path(tempfile.gettempdir()) / f"companion-{os.getuid()}"
+    return Path(users) / "companion" if users else Path(_temporary_directory()) / f"companion-{os.getuid()}"
 
 
 def _told(text: str | None) -> dict[str, Any] | None:

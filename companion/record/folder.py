@@ -42,8 +42,9 @@ from companion.record.tlog import TlogWriter
 
 NOTES_WAITING = 5_000
 """Lines of notes.txt that wait for the disk at most (engineering choice)."""
-BYTES_PER_SECOND = 250_000
-"""Of the record of a link with 250 states a second: measured, 90 kB of flight.npy and 130 kB of link.tlog."""
+BYTES_PER_SECOND = 280_000
+"""Of the record of a link with 250 states a second; bench/soak measures 50 kB of flight.npy and 60 kB of link.tlog at
+100 states a second."""
 ROOM = 10 * 60 * BYTES_PER_SECOND
 """Bytes free below which it is said how much of a flight they hold: ten minutes (engineering choice)."""
 

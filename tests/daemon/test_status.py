@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import pytest
 
 from companion.cli.commands import main
 from companion.cli.status import in_words
+from companion.daemon import status_file
 from companion.daemon.status_file import Notice, Standing, standings
 
 pytestmark = pytest.mark.xdist_group("real time")
@@ -122,6 +124,15 @@ def test_what_another_companion_says_is_data(own: Path) -> None:
     assert "\\x1b[2Jcircle on x500" in text and "follow\\nland" in text
     assert "x" * 400 not in in_words(Standing({**told.told, "notes": ["x" * 1000] * 1000}, 0.0, True))
     assert in_words(Standing({**told.told, "notes": 7}, 0.0, True))
+
+
+def test_a_system_without_a_temporary_directory_stops_no_flight(monkeypatch: pytest.MonkeyPatch) -> None:
+    def nowhere() -> str:
+        raise FileNotFoundError("No usable temporary directory found")
+
+    monkeypatch.setattr(tempfile, "gettempdir", nowhere)
+    Notice(ABOUT, {}).remove()
+    assert status_file._temporary_directory() == "/tmp"
 
 
 def test_a_directory_that_cannot_be_written_to_stops_no_flight(tmp_path: Path) -> None:

@@ -124,7 +124,7 @@ def test_little_room_is_said_beforehand(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(folder.shutil, "disk_usage", lambda path: usage._replace(free=25_000_000))
     recorder = Recorder(tmp_path / "flight", MISSION, VEHICLE, 0.0)
     (words,) = recorder.words
-    assert words.startswith("warning: only 25 MB are free for the record, about 100 s of flight; the flight is flown")
+    assert words.startswith("warning: only 25 MB are free for the record, about 89 s of flight; the flight is flown")
 
 
 def test_lines_are_data(tmp_path: Path) -> None:
