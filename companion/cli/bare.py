@@ -5,12 +5,12 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import sys
 from collections.abc import Callable, Iterable
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 from companion.allocation import Allocation
 from companion.calculus.vectors import Vector
+from companion.cli.terminal import say
 from companion.frames import Vec3
 from companion.law.bare import Answer, bare_law, state_names
 from companion.law.errors import LawError
@@ -20,21 +20,41 @@ from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
 from companion.paths.tracing import PathError
-from companion.plain_text import printable
 from companion.vehicle import Vehicle
 
 
-def answers(mission: Mission, vehicle: Vehicle, level: Level, lines: Iterable[str], out: TextIO) -> None:
-    """Answer every line of JSON that is not blank."""
+class Unanswered(NamedTuple):
+    """How many lines had no answer: ``unreadable`` ones that are no state, and states where the law is not defined."""
+
+    unreadable: int
+    undefined: int
+
+    @property
+    def exit_code(self) -> int:
+        """2 where a line was no state, 1 where the law was not defined at one, else 0."""
+        return 2 if self.unreadable else 1 if self.undefined else 0
+
+
+def answers(mission: Mission, vehicle: Vehicle, level: Level, lines: Iterable[str], out: TextIO) -> Unanswered:
+    """Answer every line of JSON that is not blank. A line without an answer says so in its place, and on stderr with
+    its number; the run goes on."""
     model = Model(vehicle.mass, Vector(*vehicle.inertia), vehicle.gravity)
     gains = mission.gains if mission.gains is not None else default_gains(level)
     law = bare_law(mission.specification(1.0), level, model, gains)
     allocation = Allocation(vehicle)
     curve = _Curve(mission)
-    for line in lines:
-        if line.strip():
-            out.write(json.dumps(_answer(line, level, law, allocation, curve)) + "\n")
-            out.flush()
+    unreadable = undefined = 0
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        answer = _answer(line, level, law, allocation, curve)
+        out.write(json.dumps(answer) + "\n")
+        out.flush()
+        if "error" in answer:
+            read = _state(line, level)
+            unreadable, undefined = unreadable + isinstance(read, str), undefined + (not isinstance(read, str))
+            say(f"line {number}: {answer['error']}")
+    return Unanswered(unreadable, undefined)
 
 
 class _Curve:
@@ -55,7 +75,7 @@ class _Curve:
             try:
                 self._table = path.table
             except PathError as error:
-                print(printable(f"eta is null: the path {error}"), file=sys.stderr)
+                say(f"eta is null: the path {error}")
         return None if self._table is None else self._table.locate(p_n)[0]
 
 
@@ -71,21 +91,26 @@ def _chi(line: str) -> list[int | float] | None:
     return chi if all(isinstance(value, int | float) and not isinstance(value, bool) for value in chi) else None
 
 
-def _answer(
-    line: str, level: Level, law: Callable[[list[float]], Answer], allocation: Allocation, curve: _Curve
-) -> dict[str, Any]:
-    names = state_names(level)
-    chi = _chi(line)
+def _state(line: str, level: Level) -> list[float] | str:
+    """The state of a line; or what is wrong with it."""
+    names, chi = state_names(level), _chi(line)
     if chi is None:
-        return {"error": f'not a state: expected {{"chi": [{", ".join(names)}]}}'}
+        return f'not a state: expected {{"chi": [{", ".join(names)}]}}'
     try:
         state = [float(value) for value in chi]
     except OverflowError:
-        return {"error": "a number that is not finite"}
+        return "a number that is not finite"
     if len(state) != len(names):
-        return {"error": f"{len(state)} numbers; expected {len(names)}: {', '.join(names)}"}
-    if not all(map(math.isfinite, state)):
-        return {"error": "a number that is not finite"}
+        return f"{len(state)} numbers; expected {len(names)}: {', '.join(names)}"
+    return state if all(map(math.isfinite, state)) else "a number that is not finite"
+
+
+def _answer(
+    line: str, level: Level, law: Callable[[list[float]], Answer], allocation: Allocation, curve: _Curve
+) -> dict[str, Any]:
+    state = _state(line, level)
+    if isinstance(state, str):
+        return {"error": state}
     try:
         answer = law(state)
     except LawError as error:

@@ -24,6 +24,7 @@ from companion.cli.options import (
     VehicleName,
     Verbose,
     WorldName,
+    complete_world,
 )
 from companion.cli.output import Ends, Output, WhoStarts
 from companion.cli.terminal import be_normal, detail, open_standard_streams, warn
@@ -60,6 +61,17 @@ def options(
 def check(
     mission: MissionName,
     vehicle: VehicleName = None,
+    output: OutputName = Output.AUTO,
+    world: Annotated[
+        str | None,
+        typer.Option(
+            "--world",
+            metavar="NAME",
+            help="Look at it in the wind of this world, with twice its gusts, and with its true machine.",
+            show_default="still air, as the vehicle file says",
+            autocompletion=complete_world,
+        ),
+    ] = None,
     json: Json = False,
     plot: Annotated[
         Path | None, typer.Option("--plot", metavar="FILE", help="Draw the path into a .png, .svg or .pdf.")
@@ -68,7 +80,7 @@ def check(
     """Say whether a vehicle can fly a mission, how fast at most, and where it is tight. Nothing is flown."""
     from companion.cli.check import check as look
 
-    raise typer.Exit(look(mission, vehicle, as_json=json, plot=plot))
+    raise typer.Exit(look(mission, vehicle, output, world, as_json=json, plot=plot))
 
 
 @app.command()
@@ -201,6 +213,8 @@ def fly(
     assert sortie is not None and open_port is not None
     sortie, found = looked_at(sortie)
     if not found.feasible:
+        if not found.only_capability_lacks and not found.may_be_flown:
+            raise typer.Exit(refuse(headline(found), json))
         if not accept_infeasible and not found.may_be_flown:
             raise typer.Exit(refuse(f"{headline(found)} (--accept-infeasible flies it all the same)", json))
         warn(f"warning: {headline(found)}")

@@ -71,8 +71,9 @@ class Faults:
 def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, direct: bool = False) -> Sortie:
     """The mission and the vehicle of a command line.
 
-    The vehicle is ``--vehicle``, else the mission's own, else x500. ``direct``: ``--output motors`` treats the vehicle
-    as if its file said ``motors: direct`` (simulation only). ConfigError with the faults of both files.
+    The vehicle is ``--vehicle``, else the mission's own, else x500. ``direct``: nothing is flown but a simulation, so
+    ``--output motors`` treats the vehicle as if its file said ``motors: direct``, and gains slower than advised are
+    noted. ConfigError with the faults of both files.
     """
     faults = Faults()
     mission_text = faults.collect(lambda: _source(mission_name, "missions"))
@@ -87,7 +88,9 @@ def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, 
     mission = None
     if mission_text is not None:
         law = None if level is None else law_level(level)
-        mission = faults.collect(lambda: mission_from(parsed(mission_text.text, mission_text.name), law))
+        mission = faults.collect(
+            lambda: mission_from(parsed(mission_text.text, mission_text.name), law, simulated=direct)
+        )
     faults.raise_any()
     assert mission is not None and vehicle is not None and level is not None
     assert mission_text is not None and vehicle_text is not None

@@ -65,6 +65,7 @@ def _document(findings: list[Finding], rate: float, words: list[str]) -> dict[st
     return {
         "schema": "companion.preflight/1",
         "ok": all(finding.weight is not Weight.DANGER for finding in findings) and rate >= RATE_WANTED,
+        "verdict": verdict(findings, rate),
         "state_rate_hz": round(rate, 1),
         "parameters": [finding._asdict() | {"weight": finding.weight.value} for finding in findings],
         "path": words,
@@ -72,12 +73,25 @@ def _document(findings: list[Finding], rate: float, words: list[str]) -> dict[st
 
 
 def _print(findings: list[Finding], rate: float, words: list[str]) -> None:
-    marks = {Weight.FINE: "  ", Weight.ADVICE: "! ", Weight.DANGER: "!!"}
+    marks = {Weight.FINE: "ok    ", Weight.ADVICE: "advice", Weight.DANGER: "DANGER"}
     for finding in findings:
-        now = "-" if finding.now is None else f"{finding.now:g}"
-        line = f"{marks[finding.weight]} {finding.parameter:18}{now:>8}"
-        print(line if finding.weight is Weight.FINE else f"{line}   advised: {finding.advised}; {finding.why}")
+        line = f"{marks[finding.weight]}  {finding.parameter:18}{finding.said:24}"
+        print(line.rstrip() if finding.weight is Weight.FINE else f"{line}advised: {finding.advised}; {finding.why}")
     enough = "" if rate >= RATE_WANTED else f", {RATE_WANTED:g} are needed: raise the link's speed"
-    print(f"{marks[Weight.FINE if not enough else Weight.DANGER]} {rate:.0f} states a second arrive{enough}")
+    print(f"{marks[Weight.DANGER if enough else Weight.FINE]}  {rate:.0f} states a second arrive{enough}")
     for line in words:
-        print(printable(f"   {line}"))
+        print(printable(f"        {line}"))
+    print(f"\n{verdict(findings, rate)}")
+
+
+def verdict(findings: list[Finding], rate: float) -> str:
+    """Whether to fly with these parameters, in one sentence."""
+    dangers = [f"{each.parameter} is {each.said}" for each in findings if each.weight is Weight.DANGER]
+    if rate < RATE_WANTED:
+        dangers.append(f"only {rate:.0f} states a second arrive")
+    if dangers:
+        return f"Do not fly: {'; '.join(dangers)}."
+    advised = [each.parameter for each in findings if each.weight is Weight.ADVICE]
+    if advised:
+        return f"Can be flown. Better first: {', '.join(advised)}."
+    return "Ready to fly: every parameter that we look at is as advised."

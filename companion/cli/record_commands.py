@@ -21,14 +21,17 @@ def law(
         LawOutput, typer.Option("--output", help="The level of the law: motor torques or body rates.")
     ] = LawOutput.MOTORS,
 ) -> None:
-    """The law without a vehicle: states as JSON lines on stdin, xi, b, D and the inputs as JSON lines on stdout."""
+    """The law without a vehicle: states as JSON lines on stdin, xi, b, D and the inputs as JSON lines on stdout.
+
+    A line without an answer is told on stderr, and the run goes on. Exit code: 0 all were answered, 1 the law is not
+    defined at a state, 2 a line was no state."""
     from companion.cli.bare import answers
     from companion.cli.orders import read_bare
     from companion.law.gains import Level
 
     level = Level.MOTORS if output is LawOutput.MOTORS else Level.RATES
     read = read_bare(mission, vehicle, level)
-    answers(*read, level, sys.stdin, sys.stdout)
+    raise typer.Exit(answers(*read, level, sys.stdin, sys.stdout).exit_code)
 
 
 def report_command(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")]) -> None:

@@ -107,6 +107,11 @@ class VehicleModel(Strict):
         return inertia
 
 
+LIFT_MAX = 20.0
+"""Thrust over weight that no vehicle has: from here on a unit is suspected (engineering choice)."""
+HOVER_APART = 1.5
+"""How far a hover thrust may lie from what mass and rotors make, up or down (engineering choice): a battery that sags
+and a thrust curve between linear and quadratic."""
 GYRATION_MIN, GYRATION_MAX = 0.03, 15.0
 """Radii of gyration that a machine may have, in units of its longest arm."""
 
@@ -120,13 +125,9 @@ def load_vehicle(name: str) -> Vehicle:
 def vehicle_from(document: Document) -> Vehicle:
     """The vehicle a document describes. ConfigError with every fault."""
     model = validate(document, VehicleModel)
-    thrust = sum(rotor.thrust_max_n * max(rotor.command) for rotor in model.rotors)
-    weight = model.mass_kg * model.gravity
-    if thrust < 1.1 * weight:
-        message = f"weighs {weight:.4g} N but the rotors lift {thrust:.4g} N at most; expected a tenth to spare"
-        if thrust * GRAVITY >= 1.1 * weight:
-            message += " (thrust_max_n in kgf? 1 kgf is 9.81 N)"
-        raise ConfigError([document.fault(("mass_kg",), message)])
+    contradiction = _contradiction(model)
+    if contradiction is not None:
+        raise ConfigError([document.fault(*contradiction)])
     arm = max(math.hypot(*rotor.position_m) for rotor in model.rotors)
     for i, inertia in enumerate(model.inertia_kgm2):
         # the radius of a ring of the vehicle's mass that has this inertia; the paper's own machine is at 8 arms
@@ -162,6 +163,31 @@ def vehicle_from(document: Document) -> Vehicle:
         state_rate=model.state_rate_hz,
         limits=limits,
     )
+
+
+def _contradiction(model: VehicleModel) -> tuple[tuple[str, ...], str] | None:
+    """Where mass, thrust and hover thrust cannot all be true: the key, and the words."""
+    thrust = sum(rotor.thrust_max_n * max(rotor.command) for rotor in model.rotors)
+    weight = model.mass_kg * model.gravity
+    if thrust < 1.1 * weight:
+        message = f"weighs {weight:.4g} N but the rotors lift {thrust:.4g} N at most; expected a tenth to spare"
+        if thrust * GRAVITY >= 1.1 * weight:
+            message += " (thrust_max_n in kgf? 1 kgf is 9.81 N)"
+        return ("mass_kg",), message
+    grams = thrust * GRAVITY / 1000.0
+    if thrust > LIFT_MAX * weight and 1.1 * weight <= grams <= LIFT_MAX * weight:
+        each = model.rotors[0].thrust_max_n
+        message = f"the rotors lift {thrust / weight:.0f} times the weight; expected newtons"
+        return ("rotors",), f"{message} (thrust_max_n in gram-force? {each:g} gf is {each * GRAVITY / 1000.0:.3g} N)"
+    hover = weight / thrust
+    if model.hover_thrust != "auto" and model.limits != "none":
+        least, most = hover / HOVER_APART, HOVER_APART * math.sqrt(hover)
+        if not least <= model.hover_thrust <= most:
+            return ("hover_thrust",), (
+                f"{model.hover_thrust:g} contradicts mass and rotors, which hover at {hover:.2f} "
+                f"({math.sqrt(hover):.2f} where thrust goes with the command's square); expected auto, or one of them"
+            )
+    return None
 
 
 def _rotor(model: RotorModel) -> Rotor:

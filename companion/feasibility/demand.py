@@ -42,7 +42,7 @@ def demand(stations: Stations, vehicle: Vehicle, scale: float = 1.0) -> Demand:
     """The demand at every station, the whole speed multiplied by ``scale``. nan or inf where the law is singular."""
     alpha, beta = stations.alpha * scale, stations.beta
     jx, jy, jz = vehicle.inertia
-    parameters = (vehicle.mass, jx, jy, jz, vehicle.gravity, vehicle.drag)
+    parameters = (vehicle.mass, jx, jy, jz, vehicle.gravity, vehicle.drag, *stations.wind_n)
     values = _recorded(stations.heading)(*stations.path[1:].reshape(12, -1), *alpha, *beta, *parameters)
     thrust, down = values[0], values[1]
     torques = values[5:8]
@@ -78,12 +78,12 @@ def _motors(vehicle: Vehicle, wrench: Array) -> Array:
 
 @cache
 def _recorded(heading: Heading) -> ArrayFunction:
-    """(four derivatives of the path, alpha 4, beta 3, mass, inertia, gravity, drag) -> zeta, R22, w, torque, |A|."""
+    """(four derivatives of the path, alpha 4, beta 3, mass, inertia, g, drag, wind) -> zeta, R22, w, torque, |A|."""
     tape = Tape()
     path = [Vector(0.0, 0.0, 0.0), *(Vector(*tape.inputs(*(f"c{k}{axis}" for axis in "xyz"))) for k in range(1, 5))]
     alpha = tape.inputs("a0", "a1", "a2", "a3")
     beta = tape.inputs("b0", "b1", "b2")
-    m, jx, jy, jz, g, c = tape.inputs("m", "jx", "jy", "jz", "g", "c")
-    there = reference_over_arc(path, alpha, beta, Model(m, Vector(jx, jy, jz), g, c), heading)
+    m, jx, jy, jz, g, c, *wind = tape.inputs("m", "jx", "jy", "jz", "g", "c", "wx", "wy", "wz")
+    there = reference_over_arc(path, alpha, beta, Model(m, Vector(jx, jy, jz), g, c), heading, Vector(*wind))
     outputs = [there.zeta, there.R.e3.z, *there.w.components(), *there.torque.components(), there.A.norm()]
     return tape.array_function("demand", outputs)

@@ -13,6 +13,7 @@ from companion.feasibility.demand import Demand, demand
 from companion.feasibility.limits import Limit, quantities, use_without_yaw, worst, worst_use
 from companion.feasibility.room import SPEED_MIN, TooSlowError
 from companion.feasibility.stations import Stations, places, stations
+from companion.frames import Vec3
 from companion.mission import GlobalOrigin, Mission
 from companion.profiles import AutoSpeed, ConstantSpeed
 from companion.profiles.ends import flight_time, start_time
@@ -28,6 +29,8 @@ REPORTED_ONLY = frozenset({"vdot_over_g"})
 """Remark 4.3: sufficient, not necessary; it never decides."""
 
 PREDICTED = frozenset({"thrust_n", "tilt_deg", "motor", "body_rate_dps", "yaw_rate_dps"})
+CAPABILITY = PREDICTED | {"speed_mps", "yaw_acceleration_dps2"}
+"""What more of a vehicle would mend; ground, fence, bends and jumps stay where they are."""
 ACCURACY = 0.03
 """How far the flown extremes of thrust, tilt and motors may lie from the predicted ones (bench/agreement.py)."""
 
@@ -76,6 +79,12 @@ class Report:
         return all(limit.ok or (limit.name in PREDICTED and self._is_near(limit)) for limit in self.deciding)
 
     @property
+    def only_capability_lacks(self) -> bool:
+        """Whether what is broken is only what the vehicle is predicted to need: its own risk, where ground, a fence, a
+        bend or a jump of the path are not."""
+        return all(limit.ok or limit.name in CAPABILITY for limit in self.deciding)
+
+    @property
     def heading_gives_way(self) -> bool:
         """Whether motors have to let the heading go somewhere for the path's sake."""
         return any(limit.name == "motor" and limit.used > 1.0 + ACCURACY for limit in self.limits) and (
@@ -96,10 +105,11 @@ class Report:
         return self.max_vdot < self.vehicle.gravity
 
 
-def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Report:
+def check(mission: Mission, vehicle: Vehicle, ground: float | None = None, wind_n: Vec3 = (0.0, 0.0, 0.0)) -> Report:
     """The report for a mission, its speed found first where it is ``auto``: a second's work at most for usual paths.
 
-    ``ground``: m, down in the local frame; None: ``ground_under`` the mission. CompanionError, ValueError,
+    ``ground``: m, down in the local frame; None: ``ground_under`` the mission. ``wind_n``: m/s, the steady velocity
+    of the air; a speed that is ``auto`` is found in still air, as before a flight. CompanionError, ValueError,
     ArithmeticError: the path, its speed or its yaw is not defined somewhere.
     """
     auto = isinstance(mission.speed, AutoSpeed)
@@ -108,7 +118,7 @@ def check(mission: Mission, vehicle: Vehicle, ground: float | None = None) -> Re
     except TooSlowError:  # the limits broken at a crawl say why
         flown = replace(mission, speed=ConstantSpeed(mission.direction * SPEED_MIN))
     ground = ground_under(mission) if ground is None else ground
-    at = stations(flown, places(flown))
+    at = replace(stations(flown, places(flown)), wind_n=wind_n)
     asked = demand(at, vehicle)
     speed_free = (
         geometry.radius(at),

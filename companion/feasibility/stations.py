@@ -12,7 +12,7 @@ from companion.calculus.scalar import Scalar
 from companion.calculus.straight import ArrayFunction, Tape
 from companion.calculus.taylor import Gradient, Taylor
 from companion.calculus.vectors import Vector
-from companion.frames import Heading
+from companion.frames import Heading, Vec3
 from companion.law.implicit import Position, Specification
 from companion.law.reference import flow, tangent
 from companion.mission import Mission
@@ -31,7 +31,8 @@ PER_KNOT = 4
 class Stations:
     """``s``: m, of n places. ``path``: the point and its four derivatives over arc length, (5, 3, n), local NED.
     ``alpha``: the speed and three, (4, n), m/s; nan where it is not known yet. ``beta``: the yaw and two, (3, n), rad.
-    ``sine``: between the gradients of h1 and h2, 1 on a curve. ``heading``: the kind that ``beta`` is."""
+    ``sine``: between the gradients of h1 and h2, 1 on a curve. ``heading``: the kind that ``beta`` is.
+    ``wind_n``: the steady velocity of the air, m/s."""
 
     s: Array
     path: Array
@@ -39,6 +40,7 @@ class Stations:
     beta: Array
     sine: Array
     heading: Heading = Heading.PROJECTED
+    wind_n: Vec3 = (0.0, 0.0, 0.0)
 
     def with_speed(self, alpha: Array) -> Stations:
         """The same places at another speed."""

@@ -99,13 +99,14 @@ def where(report: Report, s: float) -> str:
     return f"{s:.1f} m along the path (x {x:.1f}, y {y:.1f}, z {z:.1f})"
 
 
-def in_words(report: Report, places: Sequence[str] = (), warnings: Sequence[str] = ()) -> str:
+def in_words(report: Report, places: Sequence[str] = (), warnings: Sequence[str] = (), air: str | None = None) -> str:
     """The whole report, for a terminal. ``places``: where the path runs, ``warnings``: what is likely not meant there;
-    sentences."""
+    sentences. ``air``: the world it was looked at in, where one was asked for."""
     lines = [headline(report), *(f"WARNING: {warning}" for warning in warnings), ""]
     for name, text in (
         ("path", _path(report)),
         *(("where" if i == 0 else "", line) for i, line in enumerate(places)),
+        *(() if air is None else (("in the air of", air),)),
         ("time", _time(report)),
         ("speed", _speed(report)),
         ("how fast at most", _at_most(report)),

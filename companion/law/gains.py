@@ -40,15 +40,16 @@ class Gains:
         return (self.h1, self.h2, self.h3, self.h4)
 
 
-def from_poles(poles: Sequence[float]) -> tuple[float, ...]:
-    """k_0 .. k_{n-1} of the monic polynomial with these real roots: (s - p_1)...(s - p_n)."""
-    coefficients = [1.0]
+def from_poles(poles: Sequence[complex]) -> tuple[float, ...]:
+    """k_0 .. k_{n-1} of the monic polynomial with these roots: (s - p_1)...(s - p_n); complex ones in conjugate pairs,
+    whose imaginary parts cancel."""
+    coefficients: list[complex] = [1.0]
     for pole in poles:
         longer = [*coefficients, 0.0]
         for i, c in enumerate(coefficients):
             longer[i + 1] -= pole * c
         coefficients = longer
-    return tuple(reversed(coefficients[1:]))
+    return tuple(complex(k).real for k in reversed(coefficients[1:]))
 
 
 def poles_of(gains: Sequence[float]) -> list[complex]:

@@ -71,11 +71,16 @@ def reference(specification: Specification, model: Model, X: Vector) -> Referenc
 
 
 def reference_over_arc(
-    path: Sequence[Vector], alpha: Sequence[Scalar], beta: Sequence[Scalar], model: Model, kind: Heading
+    path: Sequence[Vector],
+    alpha: Sequence[Scalar],
+    beta: Sequence[Scalar],
+    model: Model,
+    kind: Heading,
+    wind: Vector = ZERO,
 ) -> Reference:
     """The point of the manifold where the ``path`` has these derivatives over arc length (the point and four more), the
     speed ``alpha`` (three) and the yaw ``beta`` (two), which is a heading of this ``kind``: for any path, implicit or
-    not."""
+    not. ``wind``: the steady velocity of the air, m/s, world frame."""
     a, a1, a2, a3 = alpha
     # s' = alpha(s), differentiated
     s1 = a
@@ -91,14 +96,17 @@ def reference_over_arc(
         c4 * (s1 * s1 * s1 * s1) + c3 * (6.0 * s1 * s1 * s2) + c2 * (3.0 * s2 * s2 + 4.0 * s1 * s3) + c1 * s4,
     ]
     psi, b1, b2 = beta
-    return _flat(model, motion, [psi, b1 * s1, b2 * s1 * s1 + b1 * s2], kind)
+    return _flat(model, motion, [psi, b1 * s1, b2 * s1 * s1 + b1 * s2], kind, wind)
 
 
-def _flat(model: Model, derivatives: Sequence[Vector], heading: Sequence[Scalar], kind: Heading) -> Reference:
-    """Everything else by flatness, from X, V, A, J, S and psi with two time derivatives."""
+def _flat(
+    model: Model, derivatives: Sequence[Vector], heading: Sequence[Scalar], kind: Heading, wind: Vector = ZERO
+) -> Reference:
+    """Everything else by flatness, from X, V, A, J, S and psi with two time derivatives. Drag goes with V - ``wind``: a
+    steady wind adds nothing to its derivatives."""
     X, V, A, J, S = derivatives
     psi, psi_dot, psi_ddot = heading
-    force = (E3 * model.g - A - V * model.c) * model.m
+    force = (E3 * model.g - A - (V - wind) * model.c) * model.m
     zeta = force.norm()
     R = _rotation(force / zeta, psi, kind)
     rate = HeadingRate(R, kind)

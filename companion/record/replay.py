@@ -45,6 +45,7 @@ class Replayed:
 def load_flight(directory: Path) -> Recorded:
     """The flight in a folder. ConfigError: it is not one, or lacks a part."""
     resolved_file = directory / "resolved.json"
+    reading = resolved_file
     try:
         resolved = json.loads(resolved_file.read_text(encoding="utf-8"))
         level = OutputLevel(resolved["output"])
@@ -54,9 +55,12 @@ def load_flight(directory: Path) -> Recorded:
         tuning = Tuning(**resolved["tuning"])
         conduct = from_dict(resolved["conduct"])
         learned = None if resolved.get("learned") is None else Learned(**resolved["learned"])
-        mission = _document(directory / "mission.yaml")
-        vehicle = _document(directory / "vehicle.yaml")
-        table, cut = read_table(directory / "flight.npy", rows.COLUMNS)
+        reading = directory / "mission.yaml"
+        mission = _document(reading)
+        reading = directory / "vehicle.yaml"
+        vehicle = _document(reading)
+        reading = directory / "flight.npy"
+        table, cut = read_table(reading, rows.COLUMNS)
         truth, truth_cut = _truth(directory / "truth.npy")
     except FileNotFoundError as error:
         message = f"{Path(str(error.filename)).name} is missing; expected a flight folder"
@@ -64,10 +68,11 @@ def load_flight(directory: Path) -> Recorded:
             message = "the record ends before the flight began; link.tlog has what was heard until then"
         raise ConfigError([Fault(str(directory), 1, "", message)]) from None
     except (OSError, ValueError, KeyError, TypeError) as error:
-        message = f"not a readable flight folder: {error}"
-        raise ConfigError([Fault(str(directory), 1, "", message)]) from None
+        what = f"key {error} is missing" if isinstance(error, KeyError) else str(error)
+        message = f"cannot be read: {what}; expected it as the flight wrote it"
+        raise ConfigError([Fault(str(reading), 1, "", message)]) from None
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
-    flown = flyable(mission_from(mission, law_level(level), directory), machine).placed((x, y, z), turn)
+    flown = flyable(mission_from(mission, law_level(level), directory, simulated=True), machine).placed((x, y, z), turn)
     plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning, conduct, learned)
     cuts = tuple(words for words in (cut, truth_cut) if words is not None)
     return Recorded(plan, table, truth, begun_at, cuts)

@@ -20,13 +20,15 @@ class Weight(enum.Enum):
 
 
 class Finding(NamedTuple):
-    """``now``: what is set, None where the vehicle does not have it. ``advised``: in words, with the reason ``why``."""
+    """``now``: what is set, None where the vehicle does not have it; ``said``: the same with its name or unit.
+    ``advised``: in words, with the reason ``why``."""
 
     parameter: str
     now: float | None
     weight: Weight
     advised: str
     why: str
+    said: str
 
 
 class Rule(NamedTuple):
@@ -36,6 +38,31 @@ class Rule(NamedTuple):
     judged: Callable[[float, Values], Weight]
     advised: str
     why: str
+
+
+_ON_LOSS = {1: "Hold", 2: "Return", 3: "Land", 5: "Terminate", 6: "Disarm"}
+NAMES: dict[str, dict[int, str]] = {
+    "COM_OBL_RC_ACT": {2: "Stabilized", **SANE_ON_LOSS, **FATAL_ON_LOSS},
+    "NAV_RCL_ACT": _ON_LOSS,
+    "NAV_DLL_ACT": {0: "nothing", **_ON_LOSS},
+    "COM_LOW_BAT_ACT": {0: "only a warning", 1: "Return", 2: "Land", 3: "Return, then Land"},
+    "GF_ACTION": {0: "nothing", 1: "only a warning", 2: "Hold", 3: "Return", 4: "Terminate", 5: "Land"},
+}
+"""What PX4's numbers mean: the values of its parameter reference (v1.15)."""
+UNITS = {
+    "COM_OF_LOSS_T": "s", "GF_MAX_HOR_DIST": "m", "GF_MAX_VER_DIST": "m", "RTL_RETURN_ALT": "m", "RTL_DESCEND_ALT": "m",
+    "MIS_TAKEOFF_ALT": "m", "FD_FAIL_R": "deg", "FD_FAIL_P": "deg", "IMU_GYRO_RATEMAX": "Hz",
+}  # fmt: skip
+
+
+def in_words(parameter: str, value: float | None) -> str:
+    """A value as a person reads it: ``2 (Return)``, ``0.5 s``."""
+    if value is None:
+        return "-"
+    number = f"{value:g}"
+    if parameter in NAMES:
+        return f"{number} ({NAMES[parameter].get(int(value), 'not known to us')})"
+    return f"{number} {UNITS[parameter]}" if parameter in UNITS else number
 
 
 def _when(good: Callable[[float, Values], bool], otherwise: Weight) -> Callable[[float, Values], Weight]:
@@ -95,5 +122,5 @@ def audited(values: Values) -> list[Finding]:
         value = values.get(rule.parameter)
         weight = Weight.ADVICE if value is None else rule.judged(value, values)
         why = rule.why if value is not None else f"this firmware does not have it; {rule.why}"
-        findings.append(Finding(rule.parameter, value, weight, rule.advised, why))
+        findings.append(Finding(rule.parameter, value, weight, rule.advised, why, in_words(rule.parameter, value)))
     return findings

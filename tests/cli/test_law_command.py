@@ -106,3 +106,20 @@ def test_a_path_that_closes_nowhere_has_its_law_all_the_same(
     assert answer["eta"] is None
     assert len(answer["xi"]) == 9
     assert "eta is null: the path does not close" in capsys.readouterr().err
+
+
+def test_what_has_no_answer_is_told_with_its_line_and_an_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
+    good, singular = list(PAPER_STATE), list(PAPER_STATE)
+    singular[12] = 0.0  # no thrust
+    mission, vehicle = read_bare("paper_case1", None, Level.MOTORS)
+
+    def run(*lines: str) -> tuple[int, str]:
+        told = answers(mission, vehicle, Level.MOTORS, lines, io.StringIO())
+        return told.exit_code, capsys.readouterr().err
+
+    whole = json.dumps({"chi": good})
+    assert run(whole, whole) == (0, "")
+    code, said = run(whole, json.dumps({"chi": singular}), whole)
+    assert code == 1 and said.startswith("line 2: singular")
+    code, said = run("nonsense", json.dumps({"chi": singular}))
+    assert code == 2 and "line 1: not a state" in said and "line 2: singular" in said

@@ -44,6 +44,8 @@ def vehicle_faults(old: str, new: str) -> str:
         ("mass_kg: 2.0", "mass_kg: 2000", "(in g? 2 would fit)"),
         ("[0.17, 0.17, 0.0], spin: ccw", "[170, 0.17, 0.0], spin: ccw", "(in mm? 0.17 would fit)"),
         ("thrust_max_n: 8.5", "thrust_max_n: 0.87", "(thrust_max_n in kgf? 1 kgf is 9.81 N)"),
+        ("thrust_max_n: 8.5", "thrust_max_n: 867", "(thrust_max_n in gram-force? 867 gf is 8.5 N)"),
+        ("name: test", "name: test\nhover_thrust: 0.2", "contradicts mass and rotors, which hover at 0.5"),
         ("name: test", "name: test\nmotor_lag_s: 25", "(in ms? 0.025 would fit)"),
         ("name: test", "name: test\nlink_delay_s: 12", "(in ms? 0.012 would fit)"),
         ("name: test", "name: test\nhover_thrust: 55", "(in percent? 0.55 would fit)"),

@@ -127,6 +127,8 @@ def test_a_good_vehicle() -> None:
         ("path: [-2, -2, -2, -2]", "path: [-2, -2, -2, 2]", "gains.poles.path", "not stable"),
         ("path: [-2, -2, -2, -2]", "path: [-0.5, -2, -2, -2]", "gains.poles.path", "-1.5 or faster"),
         ("path: [-2, -2, -2, -2]", "path: [-99, -2, -2, -2]", "gains.poles.path", "or slower"),
+        ("path: [-2, -2, -2, -2]", 'path: ["-2+1j", -2, -2, -2]', "gains.poles.path", "stands alone"),
+        ("path: [-2, -2, -2, -2]", 'path: ["minus two", -2, -2, -2]', "gains.poles.path[0]", "is no root"),
     ],
 )  # fmt: skip
 def test_faults_of_a_mission(old: str, new: str, key: str, said: str) -> None:
@@ -148,6 +150,15 @@ def test_a_list_of_gains_that_does_not_fit_names_poles() -> None:
     (fault,) = mission_faults(text, Level.RATES)
     assert "gains.h1" in fault
     assert "poles" in fault
+
+
+def test_slow_poles_are_noted_in_simulation_and_refused_in_flight() -> None:
+    text = MISSION.replace("path: [-2, -2, -2, -2]", 'path: ["-1+1j", "-1-1j", -2, -2]')
+    simulated = mission_from(parse(text, "m.yaml"), Level.MOTORS, simulated=True)
+    assert [note for note in simulated.notes if "slowest root -1" in note and "-1.5 or faster is advised" in note]
+    assert simulated.gains is not None and simulated.gains.h1 == pytest.approx((8.0, 16.0, 14.0, 6.0))
+    (fault,) = mission_faults(text)
+    assert "-1.5 or faster" in fault
 
 
 def test_all_faults_come_at_once() -> None:

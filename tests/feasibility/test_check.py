@@ -10,12 +10,16 @@ from typing import Any
 
 import pytest
 
+from companion.cli.check import air_of, as_it_is
+from companion.cli.check import check as look
 from companion.cli.commands import main
 from companion.cli.flying import objection
+from companion.cli.output import Output
 from companion.config.mission.mission import load_mission, mission_from
 from companion.config.syntax.document import parse
 from companion.config.syntax.file_lookup import names
 from companion.config.vehicle import load_vehicle
+from companion.config.world.world import load_world
 from companion.feasibility.demand import without_yaw
 from companion.feasibility.limits import use_without_yaw
 from companion.feasibility.report import NAMES, Report, check
@@ -25,6 +29,7 @@ from companion.law.gains import Level
 from companion.mission import Mission
 from companion.profiles import ConstantSpeed
 from companion.vehicle import Vehicle
+from companion.world.machine import Deviations
 
 X500 = load_vehicle("x500")
 GOOD = """\
@@ -271,3 +276,38 @@ def test_the_place_over_the_real_ground_is_looked_at_before_arming() -> None:
     assert objection(circle(), X500, 0.0) is None
     said = objection(circle(), X500, -12.5)
     assert said is not None and "below the ground" in said
+
+
+def test_what_no_vehicle_mends_is_not_offered_to_be_flown_all_the_same(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A path under the ground: there is nothing to accept."""
+    low = tmp_path / "low.yaml"
+    low.write_text(GOOD.format(speed=2.0, r=6.0, yaw=0.0, z=-1.0, frame="enu"))
+    words = ["companion", "fly", str(low), "--connect", "udpin://127.0.0.1:9", "--record", str(tmp_path / "flight")]
+    for more in ([], ["--accept-infeasible"]):
+        monkeypatch.setattr("sys.argv", [*words, *more])
+        with pytest.raises(SystemExit) as left:
+            main()
+        out, _ = capsys.readouterr()
+        assert left.value.code == 1 and "below the ground" in out and "--accept-infeasible" not in out
+
+
+def test_wind_asks_for_the_tilt_that_carries_its_drag() -> None:
+    """A slow circle in a steady wind: the tilt is that of the drag against the air, atan(c W / g)."""
+    mission, wind = circle(speed=0.05, r=6.0), 8.0
+    still, windy = check(mission, X500), check(mission, X500, wind_n=(wind, 0.0, 0.0))
+    assert worst(still, "tilt_deg") < 0.2
+    leaning = math.degrees(math.atan(X500.drag * wind / X500.gravity))
+    assert worst(windy, "tilt_deg") == pytest.approx(leaning, abs=0.2)
+
+
+def test_check_in_a_world_says_its_wind_and_takes_its_machine(capsys: pytest.CaptureFixture[str]) -> None:
+    air = air_of(load_world("outdoor"), 10.0)
+    assert math.hypot(*air.wind_n) == pytest.approx(7.0)  # 5 m/s and twice 1 m/s
+    assert "from the south-west" in air.words
+    heavy = as_it_is(X500, Deviations(mass=3.0, thrust_scale=0.9))
+    assert heavy.mass == 3.0 and heavy.thrust_max == pytest.approx(0.9 * X500.thrust_max)
+    assert look("circle_r5", None, Output.AUTO, "outdoor", as_json=False, plot=None) == 0
+    assert "outdoor: wind 5.0 m/s from the south-west" in capsys.readouterr().out
+    assert look("circle_r5", None, Output.MOTORS, None, as_json=False, plot=None) == 0

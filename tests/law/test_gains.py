@@ -29,3 +29,8 @@ def test_defaults_fit_their_level() -> None:
         assert tuple(map(len, gains.each)) == level.degrees
         for k in gains.each:
             assert max(root.real for root in poles_of(k)) < 0.0
+
+
+def test_complex_poles_come_in_pairs_and_make_real_gains() -> None:
+    assert from_poles([-2.0 + 1.0j, -2.0 - 1.0j]) == (5.0, 4.0)  # (s + 2)^2 + 1
+    assert all(isinstance(k, float) for k in from_poles([-1.0, -2.0 + 1.0j, -2.0 - 1.0j]))

@@ -408,3 +408,11 @@ def test_a_flight_writes_its_page_and_never_fails_for_want_of_one(
     monkeypatch.setattr(report, "write_report", lambda directory: 1 / 0)
     broken = CliRunner().invoke(app, [*words, str(tmp_path / "broken")])
     assert broken.exit_code == 0 and "ZeroDivisionError" in broken.stderr
+
+
+@pytest.mark.parametrize("name", ["resolved.json", "mission.yaml", "vehicle.yaml", "flight.npy"])
+def test_the_broken_file_is_named(copy: Path, name: str) -> None:
+    (copy / name).write_text("- garbage", encoding="utf-8")
+    for command in ("report", "replay"):
+        broken = CliRunner().invoke(app, [command, str(copy)])
+        assert isinstance(broken.exception, ConfigError) and str(copy / name) in str(broken.exception)

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from companion.cli.preflight import verdict
 from companion.config.plan.qgroundcontrol import plan_from
 from companion.fence import Circle, Fence, Polygon
 from companion.geodesy import LocalFrame
@@ -45,6 +46,23 @@ def test_a_firmware_that_lacks_one_says_so() -> None:
     finding = next(f for f in audited({}) if f.parameter == "COM_OF_LOSS_T")
     assert finding.now is None
     assert "does not have it" in finding.why
+
+
+def test_numbers_have_their_names_and_units() -> None:
+    said = {finding.parameter: finding.said for finding in audited({**defaults(), "NAV_RCL_ACT": 2, "GF_ACTION": 99})}
+    assert said["NAV_RCL_ACT"] == "2 (Return)" and said["COM_OF_LOSS_T"] == "1 s"
+    assert said["GF_ACTION"] == "99 (not known to us)" and said["MPC_THR_HOVER"] == "0.5"
+    assert next(f.said for f in audited({}) if f.parameter == "NAV_RCL_ACT") == "-"
+
+
+def test_it_ends_with_a_verdict() -> None:
+    fine = [finding._replace(weight=Weight.FINE) for finding in audited(defaults())]
+    assert verdict(fine, 50.0).startswith("Ready to fly")
+    advised = [fine[0]._replace(weight=Weight.ADVICE), *fine[1:]]
+    assert verdict(advised, 50.0) == f"Can be flown. Better first: {fine[0].parameter}."
+    cut = audited({**defaults(), "NAV_RCL_ACT": 6})
+    assert verdict(cut, 50.0) == "Do not fly: NAV_RCL_ACT is 6 (Disarm)."
+    assert verdict(fine, 5.0) == "Do not fly: only 5 states a second arrive."
 
 
 def test_a_fence_as_px4_holds_it() -> None:

@@ -155,13 +155,15 @@ def bare_mission_from(document: Document, level: Level) -> Mission:
     return mission
 
 
-def mission_from(document: Document, level: Level | None, beside: Path | None = None) -> Mission:
+def mission_from(
+    document: Document, level: Level | None, beside: Path | None = None, *, simulated: bool = False
+) -> Mission:
     """The mission a document describes. ``beside``: the folder its plan lies in, if it has one; None: as it says.
-    ConfigError with every fault."""
+    ``simulated``: gains slower than advised are noted and not refused. ConfigError with every fault."""
     document, origin = localised(document)
     model = validate(document, MissionModel)
     reader = _Reader(document, model, origin or _origin(model.origin), beside)
-    mission = reader.mission(level, check=True)
+    mission = reader.mission(level, check=True, simulated=simulated)
     faults = reader.faults
     if mission is not None and isinstance(mission.path, ImplicitPath) and mission.path.near is None:
         faults.append(document.fault(("path", "near"), "missing; expected a point [x, y, z] near the path, in m"))
@@ -183,10 +185,13 @@ class _Reader:
         self._plan: Planned | None = None
         self.faults: list[Fault] = []
 
-    def mission(self, level: Level | None, *, check: bool) -> Mission | None:
+    def mission(self, level: Level | None, *, check: bool, simulated: bool = False) -> Mission | None:
         """The mission, its origin at the local frame's; None where there is none."""
         model, plan = self._model, None
-        gains = None if level is None else gains_from(self._document, model.gains, level, self.faults, check=check)
+        noted: list[str] | None = [] if simulated else None
+        gains = None
+        if level is not None:
+            gains = gains_from(self._document, model.gains, level, self.faults, check=check, notes=noted)
         path = self._path()
         if path is None:
             return None
@@ -217,7 +222,7 @@ class _Reader:
             look_at=look_at,
             repeat=None if model.repeat is None else Repeat(model.repeat),
             fence=_both(fence_from(model.fence), None if plan is None else plan.fence),
-            notes=() if plan is None else plan.notes,
+            notes=(*(() if plan is None else plan.notes), *(noted or ())),
         )
         if mission.repeat is not None and mission.closed:
             self._fault(("repeat",), "the path is closed; expected an open one to fly back and forth")
