@@ -26,8 +26,9 @@ def preflight(
     """Look at a vehicle before a flight: what its parameters do when something goes wrong, what we advise, and why."""
     from companion.cli.orders import Faults, read_sortie
     from companion.cli.preflight import preflight as look
+    from companion.cli.terminal import say
     from companion.config.syntax.faults import Fault
-    from companion.daemon.address import parsed
+    from companion.daemon.address import is_exposed, parsed
 
     faults = Faults()
     faults.collect(lambda: parsed(connect))
@@ -43,6 +44,11 @@ def preflight(
         )
     sortie = None if mission is None else faults.collect(lambda: read_sortie(mission, vehicle, Output.AUTO))
     faults.raise_any()
+    if is_exposed(connect):
+        say(
+            f"warning: {connect} can be reached over the network and nothing is signed: who answers may not be the "
+            "vehicle; use a serial line, USB or loopback"
+        )
     raise typer.Exit(look(connect, sortie, upload=upload, as_json=json))
 
 

@@ -34,7 +34,7 @@ class UdpPort:
     def __init__(self, host: str, port: int, *, listen: bool) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.called: Source | None = None if listen else (host, port)
-        self.exposed = not host.startswith("127.")
+        self.exposed = _is_exposed(host)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
         self._socket.setblocking(False)
         try:
@@ -75,6 +75,17 @@ class UdpPort:
         """See Port."""
         local = f"UDP {self.local[0]}:{self.local[1]}"
         return local if self.called is None else f"{local} to {source_words(self.called)}"
+
+
+def _is_exposed(host: str) -> bool:
+    return not host.startswith("127.")
+
+
+def is_exposed(url: str) -> bool:
+    """Whether others than this computer and what is wired to it can send to an address. AddressError: it is none."""
+    parsed(url)
+    parts = urlsplit(url)
+    return parts.scheme != "serial" and _is_exposed(socket.gethostbyname(parts.hostname or ""))
 
 
 def opened(url: str) -> Port:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.daemon.address import UdpPort, opened, parsed
+from companion.daemon.address import UdpPort, is_exposed, opened, parsed
 from companion.daemon.port import AddressError
 from companion.daemon.serial import SerialPort
 from companion.mavlink.codec import Decoder, Encoder
@@ -148,6 +148,8 @@ def test_only_a_line_and_this_computer_are_closed_to_others() -> None:
         assert port.exposed is exposed
         port.close()
     assert not SerialPort.exposed
+    assert is_exposed("udpin://0.0.0.0:14540") and is_exposed("udpout://10.0.0.7:14540")
+    assert not is_exposed("udpin://127.0.0.1:14540") and not is_exposed("serial:///dev/ttyAMA0:57600")
 
 
 def test_all_that_waits_is_taken_at_once() -> None:

@@ -8,17 +8,21 @@ import threading
 
 import pytest
 
+from companion.cli.finish import _of_the_link as notes_of_the_link
 from companion.cli.flying import WAIT_FOR_VEHICLE
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
+from companion.daemon.progress import standing
 from companion.law.gains import Level
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.mission import Origin
-from companion.vehicle import OutputLevel
+from companion.vehicle import Mode, OutputLevel
+from companion.world import World
+from companion.world.events import PortChange, When
 from tests.support.flights import COMPANION, Flown, flight
 
 STRANGER = 7
@@ -57,6 +61,26 @@ def test_another_port_changes_not_one_setpoint(system: int, component: int) -> N
     assert same(spoken, flight(duration=3.0))
     assert spoken.conductor.link.peers.foreign > 100
     assert "endpoint 7" in spoken.conductor.link.peers.words()[0]
+    assert "endpoint 7" in str(standing(spoken.conductor)["others"])
+    assert any("endpoint 7" in note for note in notes_of_the_link(spoken.conductor))
+
+
+def test_a_vehicle_that_comes_back_at_another_port_in_flight_is_listened_to_and_nothing_is_sent_there() -> None:
+    heard: list[tuple[float, object, object]] = []
+
+    def watch(flown: Flown, now: float) -> None:
+        peers = flown.conductor.link.peers
+        heard.append((now, peers.heard, peers.to))
+
+    world = World(events=(PortChange(When(2.0, 2.0)),))
+    flown = flight(world=world, duration=20.0, time_out=20.0, meddle=watch)
+    moved = next(now for now, source, to in heard if to is None)
+    ((_, before, to),) = [entry for entry in heard if entry[0] == heard[0][0]]
+    assert before in (None, to)
+    assert heard[-1][1] not in (None, before)
+    assert all(to is None for now, _, to in heard if now >= moved)
+    assert flown.reason is not None
+    assert flown.conductor.telemetry.status.mode is not Mode.OFFBOARD  # PX4's own failsafe, and it is known
 
 
 def test_a_second_vehicle_under_the_same_id_before_the_flight_is_refused() -> None:
