@@ -8,7 +8,7 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 from companion.frames import Matrix3, Quaternion, Vec3, rotation_matrix
 
@@ -180,11 +180,28 @@ class Landed(enum.Enum):
     LANDING = 4
 
 
-class VehicleStatus(NamedTuple):
-    """What the vehicle last said of itself; None where it has not said.
+T = TypeVar("T")
+
+
+class Fact(NamedTuple, Generic[T]):
+    """Something the vehicle said. ``at``: s, our clock, when it was received; its message carries no stamp of the
+    vehicle's. ``lasts``: s for which it counts, by the rhythm of the message that said it. Older is unknown."""
+
+    value: T
+    at: float
+    lasts: float
+
+    def known(self, now: float) -> T | None:
+        """The value; None where it is older than it lasts."""
+        return self.value if now - self.at <= self.lasts else None
+
+
+class KnownStatus(NamedTuple):
+    """What is known of the vehicle at one moment; None where it has not said, or not of late.
 
     ``mode`` is the mode it is in, ``intended`` the one its user asked for (they differ in a failsafe). ``ready``: it
-    would accept arming. ``battery``: what remains, 0..1. ``estimator``: the flags of ESTIMATOR_STATUS.
+    would accept arming. ``battery``: what remains, 0..1. ``estimator``: the flags of ESTIMATOR_STATUS. ``mode_age``: s
+    since it last said its mode, inf where it never did. ``was_armed``: it was seen armed since it was first heard.
     """
 
     armed: bool | None = None
@@ -195,6 +212,44 @@ class VehicleStatus(NamedTuple):
     failsafe: bool | None = None
     battery: float | None = None
     estimator: int | None = None
+    mode_age: float = math.inf
+    was_armed: bool = False
+
+
+class VehicleStatus(NamedTuple):
+    """What the vehicle last said of itself, each with its age; None where it has not said. The fields are those of
+    KnownStatus, which is what may be decided on."""
+
+    armed: Fact[bool] | None = None
+    mode: Fact[Mode] | None = None
+    intended: Fact[Mode] | None = None
+    landed: Fact[Landed] | None = None
+    ready: Fact[bool] | None = None
+    failsafe: Fact[bool] | None = None
+    battery: Fact[float] | None = None
+    estimator: Fact[int] | None = None
+    was_armed: bool = False
+
+    def known(self, now: float) -> KnownStatus:
+        """What is known at ``now``, s by our clock."""
+        armed, mode, intended, landed, ready, failsafe, battery, estimator, was_armed = self
+        return KnownStatus(
+            None if armed is None else armed.known(now),
+            None if mode is None else mode.known(now),
+            None if intended is None else intended.known(now),
+            None if landed is None else landed.known(now),
+            None if ready is None else ready.known(now),
+            None if failsafe is None else failsafe.known(now),
+            None if battery is None else battery.known(now),
+            None if estimator is None else estimator.known(now),
+            math.inf if mode is None else now - mode.at,
+            was_armed,
+        )
+
+    @property
+    def last(self) -> KnownStatus:
+        """What it last said, however long ago: for people to read, never to decide on."""
+        return self.known(-math.inf)._replace(mode_age=0.0)
 
 
 class Tuning(NamedTuple):

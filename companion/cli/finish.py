@@ -80,7 +80,7 @@ def _reason(conductor: Conductor, ended: Ended) -> str:
     """Why it was not completed: what happened, what was done, what to do next."""
     if ended.failure is not None:
         return ended.failure.sentence
-    mode = conductor.telemetry.status.mode
+    mode = conductor.telemetry.status.last.mode
     reason = None if conductor.memory is None else pilot.epilogue(conductor.memory, mode)
     reason = reason or conductor.refusal or "the flight ended before it was finished"
     where = whereabouts(conductor, ended.now) if ended.stopped else None

@@ -54,9 +54,9 @@ class Story:
         if tick is None or tick.memory.state is None:
             return []
         now = tick.memory.state.t_boot
-        if self._armed_at is None and conductor.telemetry.status.armed:
+        if self._armed_at is None and conductor.telemetry.status.last.armed:
             self._armed_at = now
-        if self._offboard_at is None and conductor.telemetry.status.mode is Mode.OFFBOARD:
+        if self._offboard_at is None and conductor.telemetry.status.last.mode is Mode.OFFBOARD:
             self._offboard_at = now
         steered, progress = tick.outcome.steered, tick.memory.progress
         said = self._events(now, progress and progress.path_error, 0.0 if steered is None else steered.command.alpha)

@@ -42,6 +42,8 @@ COMMANDS = {
 }
 __all__ = ["COMMANDS", "Conductor", "Orders", "Tick"]
 
+NOT_FLYING = frozenset({Phase.PREFLIGHT, Phase.STAND_BY})
+"""The phases in which a vehicle that was switched on anew is taken again."""
 RATE_OVER = 0.5
 """s over which the rate of states is measured."""
 
@@ -101,6 +103,8 @@ class Conductor:
         self.states = 0
         self._count, self._counted_at = 0, now
         self._rate: float | None = None
+        self._newest = (0, -math.inf)
+        self._late = 0.0
         self._stream = stream
         self._stop = False
         self.preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes)
@@ -151,7 +155,7 @@ class Conductor:
         self._now = now
         state: VehicleState | None = None
         answer: Answer | None = None
-        count = 0
+        count, late = 0, 0.0
         decoder, stream, peers = self.decoder, self._stream, self.link.peers
         for data, source in batch:
             if source == peers.heard:
@@ -171,16 +175,27 @@ class Conductor:
                 elif of_vehicle:
                     self.preparation.met(frame.system, now)
                     self.parameters.receive(frame)
-                    arrived = self.telemetry.receive(frame)
+                    arrived = self.telemetry.receive(frame, now)
                     if arrived is not None:
-                        state = arrived
-                        count += 1
+                        self._late = self.link.clock.late(arrived.t_boot, now)
+                        if state is None or arrived.t_boot >= state.t_boot:
+                            state, late = arrived, self._late
+                        count += self._is_new(arrived.t_boot)
         for _, text in self.link.texts:
             self.notes.append(f"vehicle: {text}")
         self.link.texts.clear()
+        self._late = late
         self.preparation.restored()
         self._counted(count, now)
         return state, answer, count
+
+    def _is_new(self, t_boot: float) -> bool:
+        """Whether a stamp lies after all others of this vehicle's clock; one that comes again counts for nothing."""
+        clock = self.link.clock
+        if t_boot <= self._newest[1] and clock.restarts == self._newest[0]:
+            return False
+        self._newest = (clock.restarts, t_boot)
+        return True
 
     def _counted(self, count: int, now: float) -> None:
         """Measure how many states arrive in a second."""
@@ -243,6 +258,8 @@ class Conductor:
         if self.memory is None or self.plan is None:
             self._prepare(state, now)
             return  # making the plan took its time, and this state is no longer fresh
+        clock = self.link.clock
+        clock.may_restart = self.memory.phase in NOT_FLYING
         seen = Observation(
             state,
             self.telemetry.status,
@@ -253,6 +270,8 @@ class Conductor:
             behind,
             self.link.companions(now),
             self.ground.speed_scale,
+            self._late if state is not None else 0.0,
+            clock.pace,
         )
         before = self.memory
         self.memory, early = pilot.compute_setpoint(self.plan, before, seen, now)
@@ -270,7 +289,8 @@ class Conductor:
         self.memory, outcome = pilot.supervise(self.plan, self.memory, seen, now, early)
         if early is None and outcome.setpoint is not None:
             self._queue(self.memory, outcome.setpoint)
-        self.link.requests.want(None if outcome.request is None else COMMANDS[outcome.request], now)
+        if outcome.sent and outcome.request is not None and self.memory.asking is not None:
+            self.link.requests.ask(COMMANDS[outcome.request], self.memory.asking.tries - 1, now)
         self._wake_at = pilot.wake_at(self.memory, now)
         self.notes += outcome.notes
         self.last = self._pending = Tick(seen, self.memory, outcome, now, before)

@@ -16,13 +16,15 @@ from typing import TypeVar
 
 from companion import pilot
 from companion.daemon.conductor import COMMANDS, Conductor
+from companion.flight.asking import Asking, asked
 from companion.flight.conduct import ControlAuthority
-from companion.flight.phases import Request
+from companion.flight.phases import Phase, Request
+from companion.flight.situation import Answer
 from companion.mavlink.peer import Received
 from companion.vehicle import Mode, VehicleState
 
 ASKING = 1.4
-"""s for which HOLD is asked for, three times at most (rule of the link: once in 0.5 s)."""
+"""s for which HOLD is asked for, three times at most (``flight.asking``)."""
 STATUS_FRESH = 0.3
 """s that a status may be old for a mode to be asked for because of it."""
 RESTORING = 2.0
@@ -41,7 +43,7 @@ class LastResort:
         self.error = error
         self.trace = "".join(traceback.format_exception(error))
         self._conductor = conductor
-        self._begun = self._now = self._heard_at = now
+        self._begun = self._now = now
         self._restoring_since: float | None = None
         self._state: VehicleState | None = None
         self._state_at = -math.inf
@@ -51,7 +53,8 @@ class LastResort:
         self.was_flying = self._ours()
         self.asked = False
         conductor.drop_tick()
-        self._try(lambda: conductor.link.requests.want(None, now))
+        self._asking = Asking(Request.HOLD, Mode.OFFBOARD)
+        self._answer: Answer | None = None
         self._act(now)
 
     @property
@@ -64,7 +67,7 @@ class LastResort:
     @property
     def sentence(self) -> str:
         """What happened, what was done, what to do next."""
-        mode = self._conductor.telemetry.status.mode
+        mode = self._conductor.telemetry.status.last.mode
         where = "an unknown mode" if mode is None else mode.words
         if not self.was_flying:
             did = "nothing more was sent" if self._conductor.memory is not None else "nothing was flown"
@@ -77,12 +80,11 @@ class LastResort:
 
     def receive(self, batch: Sequence[Received], now: float) -> None:
         """Listen, and act on the rules above."""
-        before = self._conductor.telemetry.status
         taken = self._try(lambda: self._conductor.take_in(batch, now))
         if taken is not None and taken[0] is not None:
             self._state, self._state_at = taken[0], now
-        if self._conductor.telemetry.status is not before:
-            self._heard_at = now
+        if taken is not None and taken[1] is not None and taken[1].request is Request.HOLD:
+            self._answer = taken[1]
         self._act(now)
 
     def on_timer(self, now: float) -> None:
@@ -111,28 +113,30 @@ class LastResort:
         return (
             self._authority in (ControlAuthority.COMPANION, ControlAuthority.PILOT)
             and self._conductor.memory is not None
-            and self._conductor.telemetry.status.mode is Mode.OFFBOARD
+            and self._conductor.telemetry.status.known(self._now).mode is Mode.OFFBOARD
         )
 
     def _act(self, now: float) -> None:
         self._now = now
         since = now - self._begun
         ours = self._ours()
+        status = self._conductor.telemetry.status.known(now)
         if self._restoring_since is not None:
             self._try(self._conductor.preparation.restored)
-        elif since > ASKING or (not ours and now - self._heard_at < STATUS_FRESH and since > STATUS_FRESH):
+        elif since > ASKING or (not ours and status.mode_age < STATUS_FRESH < since):
             self._restoring_since = now
-            self._try(lambda: self._conductor.link.requests.want(None, now))
             self._try(lambda: self._conductor.preparation.restore(now))
         elif ours:
             self.was_flying = True
             if since <= pilot.LEVEL_FOR:
                 self._level(now)
             if self._authority is ControlAuthority.COMPANION:
-                fresh = now - self._heard_at <= STATUS_FRESH
-                self.asked = self.asked or fresh
-                hold = COMMANDS[Request.HOLD] if fresh else None
-                self._try(lambda: self._conductor.link.requests.want(hold, now))
+                lost = now - self._state_at > STATE_FRESH
+                self._asking, sent = asked(self._asking, self._answer, status, Phase.ABORT, now, lost=lost)
+                if sent:
+                    self.asked = True
+                    hold, tries = COMMANDS[Request.HOLD], self._asking.tries
+                    self._try(lambda: self._conductor.link.requests.ask(hold, tries - 1, now))
 
     def _level(self, now: float) -> None:
         plan, memory = self._conductor.plan, self._conductor.memory

@@ -64,7 +64,7 @@ class Preparation:
         self.refusal = self._refused(orders, identity, now)
         if self.refusal is not None or state is None:
             return None
-        status = self.telemetry.status
+        status = self.telemetry.status.known(now)
         unknown = orders.level is OutputLevel.MOTORS and identity.direct_motors is None
         asked = self.parameters.settled and self.link.is_set_up
         if unknown or status.landed is None or status.armed is None or not asked:
@@ -124,7 +124,7 @@ class Preparation:
         home, origin = self.telemetry.home, self.telemetry.origin
         return Whereabouts(
             state.p_n,
-            self.telemetry.status.landed is Landed.ON_GROUND,
+            self.telemetry.status.last.landed is Landed.ON_GROUND,
             None if origin is None else LocalFrame(*origin),
             None if home is None else home[:3],
             None if home is None else home.p_n,

@@ -42,7 +42,7 @@ def about(orders: Orders, link: str, recorder: Recorder | None) -> dict[str, str
 
 def standing(conductor: Conductor) -> dict[str, str | None]:
     """Where a flight stands, for another terminal."""
-    status, plan = conductor.telemetry.status, conductor.plan
+    status, plan = conductor.telemetry.status.last, conductor.plan
     phase = "waits for a vehicle" if conductor.link.identity is None else "learns about the vehicle"
     said: dict[str, str | None] = {"phase": phase, "mode": None, "battery": None}
     if conductor.memory is not None:

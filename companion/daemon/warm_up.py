@@ -24,7 +24,7 @@ class Rehearsal:
         if tick is None or plan is None or tick.outcome.setpoint is None or tick.seen.state is None:
             return False
         for frame in self._decoder.datagram(self._frame):
-            self._telemetry.receive(frame)
+            self._telemetry.receive(frame, tick.now)
         memory, early = pilot.compute_setpoint(plan, tick.before, tick.seen, tick.now)
         if early is None:
             pilot.supervise(plan, memory, tick.seen, tick.now, early)

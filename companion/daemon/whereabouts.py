@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from companion.daemon.conductor import Conductor
-from companion.vehicle import Landed, Mode, VehicleState, VehicleStatus
+from companion.vehicle import KnownStatus, Landed, Mode, VehicleState
 
 LATE = 1.0
 """s without a state after which it is said when the last one came (engineering choice)."""
@@ -17,7 +17,7 @@ def whereabouts(conductor: Conductor, now: float) -> str | None:
     """Both in one sentence without its full stop; None where no vehicle was heard. ``now``: s, as at the doors."""
     if conductor.link.identity is None:
         return None
-    status = conductor.telemetry.status
+    status = conductor.telemetry.status.last
     memory = conductor.memory
     state = None if memory is None else memory.state
     parts = [_mode(status), _place(conductor, status, state)]
@@ -27,12 +27,12 @@ def whereabouts(conductor: Conductor, now: float) -> str | None:
     return f"the vehicle is {', '.join(part for part in parts if part)}; {_next(status)}"
 
 
-def _mode(status: VehicleStatus) -> str:
+def _mode(status: KnownStatus) -> str:
     mode = "in an unknown mode" if status.mode is None else f"in {status.mode.words}"
     return mode if status.armed is None else f"{mode}, {'armed' if status.armed else 'disarmed'}"
 
 
-def _place(conductor: Conductor, status: VehicleStatus, state: VehicleState | None) -> str:
+def _place(conductor: Conductor, status: KnownStatus, state: VehicleState | None) -> str:
     if status.landed is Landed.ON_GROUND:
         return "on the ground"
     if state is None:
@@ -44,7 +44,7 @@ def _place(conductor: Conductor, status: VehicleStatus, state: VehicleState | No
     return f"{home.p_n[2] - state.p_n[2]:.1f} m above home and {level:.0f} m from it"
 
 
-def _next(status: VehicleStatus) -> str:
+def _next(status: KnownStatus) -> str:
     if status.armed is False:
         return "it can be walked up to"
     if status.landed is Landed.ON_GROUND:

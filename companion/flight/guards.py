@@ -13,8 +13,17 @@ from companion.flight.safety import Action
 from companion.flight.situation import Reply, Situation
 from companion.vehicle import Landed, Mode
 
-STALE_AFTER = 0.2
-"""s without a state before it is stale."""
+STATE_AGE_MAX = 0.2
+"""s: an older state is none (issue 11, rule 1)."""
+STATUS_LOST_AFTER = 2.5
+"""s without a word about the mode after which setpoints end: with the level ones of an abort within 3 s (rule 2)."""
+SILENT_AFTER = 2.5
+"""s without a word about the mode while taking off, after which nothing more is asked for."""
+DISARMED_FOR = 0.25
+"""s after ARM was accepted from which on a heartbeat that says disarmed was sent later (engineering choice: two times
+the longest way that is flown with)."""
+BEGUN_IN = (Mode.HOLD, Mode.POSITION)
+"""The modes from which a flying vehicle is taken (rule 3)."""
 CONFIRM_WITHIN = 1.5
 """s after an accepted mode change within which telemetry must show it (the heartbeat alone is 1 Hz)."""
 STREAM_FIRST = 0.1
@@ -31,26 +40,41 @@ def decide(situation: Situation) -> tuple[Phase, Event, str] | None:
 
 
 EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
+    Phase.ARM: frozenset(),
     Phase.TAKE_OFF: frozenset({Mode.TAKEOFF, Mode.HOLD}),
-    **dict.fromkeys(FLOWN, frozenset({Mode.OFFBOARD})),
+    **dict.fromkeys((Phase.TAKE_OVER, *FLOWN), frozenset({Mode.OFFBOARD})),
     Phase.LAND: frozenset({Mode.LAND}),
     Phase.RETURN: frozenset({Mode.RETURN}),
 }
-"""The modes in which a phase that has seen its mode goes on."""
+"""The modes in which a phase goes on, beside the one it was decided in as long as its own was not seen."""
 
 
 def _ready_on_ground(s: Situation) -> str | None:
-    on_ground = s.status.landed is Landed.ON_GROUND and not s.status.armed
-    if s.authority is not ControlAuthority.COMPANION or s.missing is not None or not on_ground:
+    on_ground = s.status.landed is Landed.ON_GROUND and s.status.armed is False and s.status.mode is not None
+    if s.authority is not ControlAuthority.COMPANION or s.missing is not None or not on_ground or s.status.was_armed:
         return None
     return "the vehicle is ready on the ground"
 
 
 def _ready_in_air(s: Situation) -> str | None:
-    flies = s.status.armed and s.status.landed is Landed.IN_AIR
+    flies = s.status.armed and s.status.landed is Landed.IN_AIR and s.status.mode in BEGUN_IN
     if s.authority is not ControlAuthority.COMPANION or s.missing is not None or not flies:
         return None
     return "the vehicle is flying"
+
+
+def _not_ours(s: Situation) -> str | None:
+    """Why a flight that the companion begins must not begin: the vehicle is, or was, in somebody else's hands."""
+    status = s.status
+    if s.authority is not ControlAuthority.COMPANION or status.landed in (None, Landed.UNDEFINED):
+        return None
+    if status.landed is Landed.ON_GROUND:
+        if status.armed is False and status.was_armed:
+            return "the vehicle was armed by somebody else since the companion first heard it, so it is not armed here"
+        return None
+    if not status.armed or status.mode is None or status.mode in BEGUN_IN:
+        return None
+    return f"the vehicle flies in {_mode(s)}, and the companion takes over only from Hold or Position"
 
 
 def _ready_for_pilot(s: Situation) -> str | None:
@@ -66,7 +90,7 @@ def _ready_to_rehearse(s: Situation) -> str | None:
 
 
 def _armed(s: Situation) -> str | None:
-    return "armed" if s.status.armed else None
+    return "armed" if s.status.armed and s.asked else None
 
 
 def _in_air(s: Situation) -> str | None:
@@ -153,14 +177,22 @@ def _stop(s: Situation) -> str | None:
 
 
 def _elsewhere(s: Situation) -> bool:
-    """Whether the phase's mode was seen and is no longer flown."""
-    expected = EXPECTED_MODES.get(s.phase)
-    known = expected is not None and s.status.mode not in (None, *expected)
-    return known and s.mode_seen and s.status.armed is not False
+    """Whether the vehicle is in a mode in which this phase does not go on: somebody or something decided otherwise."""
+    expected, mode = EXPECTED_MODES.get(s.phase), s.status.mode
+    if expected is None or mode is None or mode in expected:
+        return False
+    if mode is s.decided_in and not s.mode_seen:
+        return False
+    if s.phase in (Phase.LAND, Phase.RETURN) and s.status.landed is Landed.ON_GROUND:
+        return False  # PX4 leaves these modes itself when it disarms
+    return s.phase is Phase.ARM or s.status.armed is not False
 
 
 def _by_itself(s: Situation) -> bool:
-    return s.phase in FLOWN and (bool(s.status.failsafe) or s.status.intended is Mode.OFFBOARD)
+    """Whether a mode that is not this phase's is the vehicle's own decision: its user's intention has not changed."""
+    if s.status.intended is None:
+        return bool(s.status.failsafe)
+    return s.status.intended is not s.status.mode
 
 
 def _left_offboard(s: Situation) -> str | None:
@@ -178,28 +210,53 @@ def _taken_over(s: Situation) -> str | None:
 def _failsafe(s: Situation) -> str | None:
     if not _elsewhere(s) or not _by_itself(s):
         return None
+    if s.phase not in FLOWN:
+        return f"a failsafe of the vehicle flies it in {_mode(s)} now"
     return f"the vehicle left OFFBOARD by itself, for {_mode(s)} (a failsafe)"
 
 
-def _lost_power(s: Situation) -> str | None:
-    return "the vehicle was disarmed" if s.status.armed is False else None
+def _disarmed_externally(s: Situation) -> str | None:
+    if s.status.armed is not False:
+        return None
+    if s.phase is not Phase.ARM:
+        return "the vehicle was disarmed"
+    accepted = s.answer is not None and s.answer.accepted
+    # a heartbeat that was sent after ARM was accepted
+    later = s.answered - s.armed_heard > DISARMED_FOR
+    return "the vehicle was disarmed after ARM was accepted" if accepted and later else None
 
 
 def _stale(s: Situation) -> str | None:
     since = s.entered if s.state_at is None else s.state_at
     silent = s.now - since
-    return f"no state from the vehicle for {silent:.2f} s" if silent > STALE_AFTER else None
+    if silent <= STATE_AGE_MAX:
+        return None
+    if s.unusable is None:
+        return f"no state from the vehicle for {silent:.2f} s"
+    return f"no new state from the vehicle for {silent:.2f} s: {s.unusable}"
+
+
+def _status_lost(s: Situation) -> str | None:
+    silent = s.status.mode_age
+    if silent <= STATUS_LOST_AFTER:
+        return None
+    return f"the vehicle has not said its mode for {silent:.1f} s (CURRENT_MODE, HEARTBEAT)"
+
+
+def _silent(s: Situation) -> str | None:
+    silent = s.status.mode_age
+    return f"nothing heard from the vehicle for {silent:.1f} s" if silent > SILENT_AFTER else None
 
 
 def _law_failed(s: Situation) -> str | None:
     return s.law_error
 
 
-def _lost(s: Situation) -> str | None:
+def _abort_required(s: Situation) -> str | None:
     return s.verdict.reason if s.verdict.action is Action.ABORT else None
 
 
-def _unsafe(s: Situation) -> str | None:
+def _hand_back_required(s: Situation) -> str | None:
     return s.verdict.reason if s.verdict.action is Action.HAND_BACK else None
 
 
@@ -253,15 +310,18 @@ GUARDS: dict[Event, Callable[[Situation], str | None]] = {
     Event.DOWN: _down,
     Event.DISARMED: _disarmed,
     Event.LET_GO: _let_go,
+    Event.NOT_OURS: _not_ours,
     Event.STOP: _stop,
     Event.LEFT_OFFBOARD: _left_offboard,
     Event.TAKEN_OVER: _taken_over,
     Event.FAILSAFE: _failsafe,
-    Event.DISARMED_EXTERNALLY: _lost_power,
+    Event.DISARMED_EXTERNALLY: _disarmed_externally,
     Event.STALE: _stale,
+    Event.STATUS_LOST: _status_lost,
+    Event.SILENT: _silent,
     Event.LAW_FAILED: _law_failed,
-    Event.ABORT_REQUIRED: _lost,
-    Event.HAND_BACK_REQUIRED: _unsafe,
+    Event.ABORT_REQUIRED: _abort_required,
+    Event.HAND_BACK_REQUIRED: _hand_back_required,
     Event.REFUSED: _refused,
     Event.TIMED_OUT: _timed_out,
 }

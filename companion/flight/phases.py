@@ -54,12 +54,15 @@ class Event(enum.Enum):
     DISARMED = "disarmed"
     LET_GO = "offboard no longer meant"
     # pre-empting
+    NOT_OURS = "not to be begun"
     STOP = "told to stop"
     LEFT_OFFBOARD = "pilot left offboard"
     TAKEN_OVER = "mode changed by another"
     FAILSAFE = "vehicle in a failsafe"
     DISARMED_EXTERNALLY = "disarmed by another"
     STALE = "state is stale"
+    STATUS_LOST = "mode is not known"
+    SILENT = "vehicle is silent"
     LAW_FAILED = "law not defined"
     ABORT_REQUIRED = "a guard aborts"
     HAND_BACK_REQUIRED = "a guard hands back"
@@ -90,7 +93,7 @@ class Row:
 
 PHASES: dict[Phase, Row] = {
     Phase.PREFLIGHT: Row(None, 60.0, False),
-    Phase.ARM: Row(Request.ARM, 10.0, False),
+    Phase.ARM: Row(Request.ARM, 5.0, False),
     Phase.TAKE_OFF: Row(Request.TAKE_OFF, 40.0, False),
     Phase.STAND_BY: Row(None, None, False),
     Phase.TAKE_OVER: Row(Request.OFFBOARD, 5.0, True),
@@ -139,11 +142,16 @@ FLOWN = (Phase.SETTLE, Phase.JOIN, Phase.FOLLOW, Phase.REST)
 
 PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
     (Event.DISARMED_EXTERNALLY, dict.fromkeys(
-        (Phase.TAKE_OFF, Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK, Phase.ABORT), Phase.RELEASE)),
+        (Phase.ARM, Phase.TAKE_OFF, Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK, Phase.ABORT), Phase.RELEASE)),
     (Event.LEFT_OFFBOARD, dict.fromkeys(FLOWN, Phase.STAND_BY)),
-    (Event.TAKEN_OVER, dict.fromkeys((Phase.TAKE_OFF, *FLOWN, Phase.LAND, Phase.RETURN), Phase.DONE)),
-    (Event.FAILSAFE, dict.fromkeys(FLOWN, Phase.RELEASE)),
+    (Event.TAKEN_OVER, dict.fromkeys(
+        (Phase.ARM, Phase.TAKE_OFF, Phase.TAKE_OVER, *FLOWN, Phase.LAND, Phase.RETURN), Phase.DONE)),
+    (Event.FAILSAFE, dict.fromkeys(
+        (Phase.TAKE_OFF, Phase.TAKE_OVER, *FLOWN, Phase.LAND, Phase.RETURN), Phase.RELEASE)),
+    (Event.NOT_OURS, {Phase.PREFLIGHT: Phase.DONE}),
+    (Event.SILENT, dict.fromkeys((Phase.ARM, Phase.TAKE_OFF), Phase.DONE)),
     (Event.STALE, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
+    (Event.STATUS_LOST, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
     (Event.LAW_FAILED, {
         **dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT),
         Phase.REHEARSE: Phase.DONE,
@@ -157,6 +165,7 @@ PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
         Phase.STAND_BY: Phase.DONE,
         Phase.TAKE_OVER: Phase.HAND_BACK,
         **dict.fromkeys(FLOWN, Phase.HAND_BACK),
+        Phase.RELEASE: Phase.DONE,
         Phase.REHEARSE: Phase.DONE,
     }),
     (Event.REFUSED, {
@@ -167,8 +176,8 @@ PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
     }),
     (Event.TIMED_OUT, {
         Phase.PREFLIGHT: Phase.DONE,
-        Phase.ARM: Phase.DISARM,
-        Phase.TAKE_OFF: Phase.ABORT,
+        Phase.ARM: Phase.DONE,
+        Phase.TAKE_OFF: Phase.DISARM,
         Phase.TAKE_OVER: Phase.ABORT,
         **dict.fromkeys(FLOWN, Phase.HAND_BACK),
         Phase.HAND_BACK: Phase.ABORT,
@@ -198,16 +207,23 @@ EXITS = _rows()
 
 
 def diagram() -> str:
-    """The table as a Mermaid state diagram, for docs/."""
+    """The normal flight as a Mermaid state diagram, for docs/."""
     lines = ["stateDiagram-v2", "    [*] --> preflight"]
 
     def name(phase: Phase) -> str:
         return phase.value.replace(" ", "_")
 
-    for (phase, event), following_phase in TRANSITIONS.items():
-        lines.append(f"    {name(phase)} --> {name(following_phase)}: {event.value}")
-    for event, rows in PRE_EMPTIONS:
-        for phase, following_phase in rows.items():
-            lines.append(f"    {name(phase)} --> {name(following_phase)}: {event.value} (!)")
+    for (phase, event), following in TRANSITIONS.items():
+        lines.append(f"    {name(phase)} --> {name(following)}: {event.value}")
     lines.append("    done --> [*]")
+    return "\n".join(lines) + "\n"
+
+
+def pre_emption_table() -> str:
+    """What pre-empts it as a Markdown table, the most urgent first, for docs/."""
+    lines = ["| what happens | in | then |", "|---|---|---|"]
+    for event, rows in PRE_EMPTIONS:
+        for following in dict.fromkeys(rows.values()):
+            phases = ", ".join(phase.value for phase, leads_to in rows.items() if leads_to is following)
+            lines.append(f"| {event.value} | {phases} | {following.value} |")
     return "\n".join(lines) + "\n"

@@ -7,26 +7,61 @@ from typing import NamedTuple
 
 from companion.flight.conduct import ControlAuthority, Finish, Limits
 from companion.flight.safety import missing_estimate
-from companion.vehicle import Landed, VehicleStatus
+from companion.vehicle import KnownStatus, Landed
 
+LINK_DELAY_MAX = 0.1
+"""s each way (issue 11): beyond it the law leans too far."""
+STATE_GONE = 0.5
+"""s without a new state before the flight (engineering choice)."""
+PACE_MIN, PACE_MAX = 0.3, 5.0
+"""s of the vehicle's clock a second of ours: its stamps are seconds, as fast as a simulator may be told to run. Its
+states arrive up to 0.1 s late, and the pace is first taken over 0.2 s."""
 RATE_WANTED = 20.0
 """Hz of states, below which no path is flown."""
 
 
 class Standing(NamedTuple):
-    """What is known before a flight. ``rate``: Hz of states, None until measured. ``has_state``: one has arrived."""
+    """What is known before a flight. ``rate``: Hz of states, None until measured. ``has_state``: one has arrived,
+    ``state_age`` s ago. ``clock_pace``: s of the vehicle's clock a second of ours, None where it is not known or of no
+    matter. ``link_delay``: s, there and back; None until measured."""
 
-    status: VehicleStatus
+    status: KnownStatus
     authority: ControlAuthority
     finish: Finish
     limits: Limits
     has_state: bool
     rate: float | None
     companions: int = 0
+    state_age: float | None = 0.0
+    clock_pace: float | None = 1.0
+    link_delay: float | None = None
 
 
 def _state(s: Standing) -> str | None:
     return None if s.has_state else "no state arrives (ODOMETRY); does the autopilot send it on this link?"
+
+
+def _stamps(s: Standing) -> str | None:
+    pace = s.clock_pace
+    if pace is None or PACE_MIN < pace < PACE_MAX:
+        return None
+    stands = "do not advance" if pace <= 0.0 else f"advance by {pace:.4g} s a second"
+    return f"the stamps of ODOMETRY {stands}; time_usec must be microseconds of the vehicle's clock"
+
+
+def _fresh(s: Standing) -> str | None:
+    if s.state_age is None or s.state_age <= STATE_GONE:
+        return None
+    return f"no new state has come for {s.state_age:.0f} s (ODOMETRY)" if s.state_age >= 1.0 else "no new state comes"
+
+
+def _delay(s: Standing) -> str | None:
+    if s.link_delay is None or 0.5 * s.link_delay <= LINK_DELAY_MAX:
+        return None
+    return (
+        f"a message takes {500.0 * s.link_delay:.0f} ms each way (TIMESYNC), {1e3 * LINK_DELAY_MAX:.0f} ms at most can "
+        "be flown with; use a quicker link"
+    )
 
 
 def _rate(s: Standing) -> str | None:
@@ -66,11 +101,11 @@ def _ready(s: Standing) -> str | None:
 def _landed(s: Standing) -> str | None:
     if s.authority is not ControlAuthority.COMPANION or s.status.landed in (Landed.ON_GROUND, Landed.IN_AIR):
         return None
-    return "the vehicle does not say whether it stands or flies"
+    return "the vehicle does not say whether it stands or flies (EXTENDED_SYS_STATE)"
 
 
 CHECKS: tuple[Callable[[Standing], str | None], ...] = (
-    _state, _alone, _rate, _estimator, _battery, _home, _ready, _landed,
+    _state, _alone, _stamps, _fresh, _rate, _delay, _estimator, _battery, _home, _ready, _landed,
 )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from companion.flight.conduct import TILT_MARGIN, Limits
-from companion.vehicle import VehicleStatus
+from companion.vehicle import KnownStatus
 
 ESTIMATOR_PARTS = (
     (1, "attitude"),
@@ -22,6 +22,9 @@ ESTIMATOR_PARTS = (
 )
 """The bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for."""
 CLOCK_JUMP = 0.5
+VELOCITY_OFF, RATES_OFF = 3.0, 1.5
+"""m/s and rad/s that position and velocity, attitude and rates may disagree by (engineering choice: PX4's own differ by
+0.04 m/s, px4_flight.md, 4)."""
 TILT_ERROR = math.radians(40.0)
 RATE_ERROR, TURNING = 3.0, 1.0
 BEHIND = 5
@@ -49,14 +52,16 @@ class SafetyInputs(NamedTuple):
     ``above_home`` m. ``tilt``: rad. ``tilt_error``: rad between the thrust axis and the one the law asks for.
     ``rate_error``: rad/s between the rates asked for and flown, None where none are. ``turning``: rad/s, how fast it
     turns. ``still``: it neither moves nor turns.
-    ``saturated``: a limit of the vehicle was met. ``jump``: m that the position jumped at an estimator's reset.
+    ``saturated``: a limit of the vehicle was met. ``jump``: m that the position jumped, ``flagged`` by the estimator's
+    reset counter.
+    ``velocity_off`` m/s, ``rates_off`` rad/s: how far position and velocity, and attitude and rates, disagree.
     ``same_place``, ``same_attitude``: the last state repeated those of the one before, although it moves, or turns.
     ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
     together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``gaps``: in the states,
     of the last while. ``companions``: others that speak on the link.
     """
 
-    status: VehicleStatus
+    status: KnownStatus
     following: bool = False
     path_error: float = 0.0
     height: float | None = None
@@ -70,6 +75,9 @@ class SafetyInputs(NamedTuple):
     still: bool = False
     saturated: bool = False
     jump: float = 0.0
+    flagged: bool = True
+    velocity_off: float = 0.0
+    rates_off: float = 0.0
     same_place: bool = False
     same_attitude: bool = False
     clock_jump: float = 0.0
@@ -104,6 +112,8 @@ def _estimator(s: SafetyInputs, limits: Limits) -> str | None:
 
 
 def _jump(s: SafetyInputs, limits: Limits) -> str | None:
+    if not s.flagged and s.jump > 0.0:
+        return f"the position jumped by {s.jump:.1f} m, and the estimator's reset counter says nothing of it"
     if limits.tube is None or s.jump <= limits.tube:
         return None
     return f"the estimator moved the vehicle by {s.jump:.1f} m at once, out of the tube of {limits.tube:g} m"
@@ -115,6 +125,18 @@ def _same_place(s: SafetyInputs, limits: Limits) -> str | None:
 
 def _same_attitude(s: SafetyInputs, limits: Limits) -> str | None:
     return "the vehicle says that it turns, and always the same attitude" if s.same_attitude else None
+
+
+def _velocity_off(s: SafetyInputs, limits: Limits) -> str | None:
+    if s.velocity_off <= VELOCITY_OFF:
+        return None
+    return f"the position moves {s.velocity_off:.1f} m/s otherwise than the velocity says"
+
+
+def _rates_off(s: SafetyInputs, limits: Limits) -> str | None:
+    if s.rates_off <= RATES_OFF:
+        return None
+    return f"the attitude turns {s.rates_off:.1f} rad/s otherwise than the body rates say"
 
 
 def _clock(s: SafetyInputs, limits: Limits) -> str | None:
@@ -218,7 +240,7 @@ ROWS: tuple[Row, ...] = (
         "land it by hand and see the estimator's log",
     ),
     Row(
-        "the estimate jumps, out of the tube",
+        "the position jumps out of the tube, or by more than 1 m without the reset counter",
         _jump,
         0.0,
         Action.ABORT,
@@ -226,6 +248,20 @@ ROWS: tuple[Row, ...] = (
     ),
     Row("the position stands still, and it moves", _same_place, 0.2, Action.ABORT, "see the estimator's log"),
     Row("the attitude stands still, and it turns", _same_attitude, 0.2, Action.ABORT, "see the estimator's log"),
+    Row(
+        f"the position moves {VELOCITY_OFF:g} m/s otherwise than the velocity says",
+        _velocity_off,
+        0.15,
+        Action.ABORT,
+        "see the estimator's log",
+    ),
+    Row(
+        f"the attitude turns {RATES_OFF:g} rad/s otherwise than the body rates say",
+        _rates_off,
+        0.15,
+        Action.ABORT,
+        "see the estimator's log",
+    ),
     Row(
         "the vehicle's clock jumps", _clock, 0.0, Action.ABORT, "see whether the autopilot restarted, then start again"
     ),

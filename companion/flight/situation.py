@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import enum
+import math
 from typing import NamedTuple
 
 from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.phases import Phase, Request
 from companion.flight.safety import NO_FAULT, Verdict
-from companion.vehicle import VehicleStatus
+from companion.vehicle import KnownStatus, Mode
 
 
 class Reply(enum.Enum):
@@ -43,9 +44,12 @@ class Answer(NamedTuple):
 class Situation(NamedTuple):
     """What the guards look at.
 
-    ``now``, ``entered``: s, our clock, and since when the phase lasts. ``status``: what the vehicle said.
-    ``mode_seen``: the mode of this phase was seen in telemetry. ``state_at``: when the last state arrived.
-    ``answer``: the last answer to this phase's request. ``from_ground``: the flight began on the ground.
+    ``now``, ``entered``: s, our clock, and since when the phase lasts. ``status``: what is known of the vehicle.
+    ``mode_seen``: the mode of this phase was seen in telemetry. ``decided_in``: the mode in which the phase began to
+    ask, ``asked``: how often it has. ``state_at``: when the last state was measured;
+    ``unusable``: what came in its place.
+    ``answer``: the last answer to this phase's request, ``answered``: s since it came, and ``armed_heard``: s since
+    armed was last said. ``from_ground``: the flight began on the ground.
     ``faulty``: something went wrong before. ``stop``: told to stop. ``missing``: what the preflight lacks.
     ``settled``, ``joined``, ``at_end``: the thrust is known, the path is reached, its open end is. ``goes_back``: the
     path is flown back from its end. ``finished``, ``law_error``: reasons, or None. ``verdict``: of the safety rows.
@@ -54,7 +58,7 @@ class Situation(NamedTuple):
     phase: Phase
     now: float
     entered: float
-    status: VehicleStatus
+    status: KnownStatus
     mode_seen: bool
     state_at: float | None
     answer: Answer | None
@@ -71,3 +75,8 @@ class Situation(NamedTuple):
     finished: str | None = None
     law_error: str | None = None
     verdict: Verdict = NO_FAULT
+    decided_in: Mode | None = None
+    asked: int = 1
+    unusable: str | None = None
+    answered: float = 0.0
+    armed_heard: float = math.inf

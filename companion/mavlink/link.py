@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
+from companion.mavlink.clock import VehicleClock
 from companion.mavlink.codec import Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.peer import HEARTBEAT, Peers, vehicle_of
@@ -35,7 +36,7 @@ AUTOPILOT_PX4 = 12
 """MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET."""
 
 HEARTBEAT_PERIOD = 1.0
-TIMESYNC_PERIOD = 0.5
+TIMESYNC_PERIOD = 0.25
 ROUND_TRIPS = 9
 """of which the middle one counts: one that waited in a queue says nothing, a link that has become slower does."""
 COMPANION_GONE = 3.0
@@ -69,7 +70,8 @@ class Link:
 
     ``identity``: None until a multirotor's autopilot was heard. ``others``: further ones on its own link, by system id.
     ``peers``: which source is the vehicle's. ``replaced``: uids of another vehicle that answered under the same id.
-    ``round_trip``: s, the median of the last few. ``texts``: what the vehicle said in words since they were last taken.
+    ``round_trip``: s, the median of the last few. ``clock``: how late its states are. ``texts``: what the vehicle said
+    in words since they were last taken.
     """
 
     streams: tuple[Command, ...] = ()
@@ -79,6 +81,7 @@ class Link:
     replaced: tuple[str, str] | None = None
     _companion_at: float = -math.inf
     round_trip: float | None = None
+    clock: VehicleClock = field(default_factory=VehicleClock)
     _round_trips: tuple[float, ...] = ()
     texts: list[tuple[int, str]] = field(default_factory=list)
     outgoing: list[bytes] = field(default_factory=list)
@@ -213,6 +216,7 @@ class Link:
         round_trip = now - ts1 * 1e-9
         if 0.0 <= round_trip < 10.0:
             self._round_trips = (*self._round_trips[1 - ROUND_TRIPS :], round_trip)
+            self.clock.synchronise(ts1 * 1e-9, tc1 * 1e-9, now)
             self.round_trip = sorted(self._round_trips)[len(self._round_trips) // 2]
 
     def _command(self, command: Command, confirmation: int) -> None:

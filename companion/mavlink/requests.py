@@ -1,7 +1,7 @@
 """What is asked of the vehicle: commands with acknowledgement and retry.
 
 A ``Command`` is a COMMAND_LONG as a value. ``Requests`` asks for what is to be set up once (streams, single messages),
-one after the other, and for the one command that the flight wants at present.
+one after the other, and sends the flight's own commands, each as often as the flight decides (``flight.asking``).
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ COMMAND_LONG = message("COMMAND_LONG")
 CUSTOM_MODE_ENABLED = 1.0
 
 RETRY_UNANSWERED = 0.5
-RETRY_REFUSED = 1.0
-RETRY_ACCEPTED = 5.0
-"""s until a command that stays wanted is sent again: unanswered, refused, accepted without effect."""
+"""s until a message that is set up is asked for again."""
+ANSWER_WITHIN = 1.0
+"""s after which no answer to a command is waited for: five times the slowest link that is flown with."""
 
 SET_UP_TRIES = 10
 
@@ -75,7 +75,6 @@ class _Pending:
     command: Command
     sent_at: float
     tries: int = 1
-    result: int | None = None
 
 
 @dataclass(slots=True)
@@ -83,7 +82,7 @@ class Requests:
     """What is asked of one vehicle. ``send(command, confirmation)`` queues one COMMAND_LONG. Times: s, our clock."""
 
     send: Callable[[Command, int], None]
-    _wanted: _Pending | None = None
+    _unanswered: list[tuple[Command, float]] = field(default_factory=list)
     _set_up: list[Command] = field(default_factory=list)
     _setting_up: _Pending | None = None
 
@@ -96,39 +95,28 @@ class Requests:
         """Ask for these once, one after the other, from the next ``on_timer`` on."""
         self._set_up = commands
 
-    def want(self, command: Command | None, now: float) -> None:
-        """What is asked of the vehicle from now on. Sent at once when new, and again until it is no longer wanted."""
-        pending = self._wanted
-        if command is None:
-            self._wanted = None
-        elif pending is None or pending.command != command:
-            self._wanted = _Pending(command, now)
-            self.send(command, 0)
-        else:
-            waited = now - pending.sent_at
-            wait = (
-                RETRY_UNANSWERED
-                if pending.result is None
-                else RETRY_ACCEPTED
-                if pending.result in (0, 5)
-                else RETRY_REFUSED
-            )
-            if waited >= wait:
-                confirmation = pending.tries if pending.result is None else 0
-                self._wanted = _Pending(command, now, pending.tries + 1)
-                self.send(command, min(confirmation, 255))
+    def ask(self, command: Command, confirmation: int, now: float) -> None:
+        """Send a command of the flight, once. ``confirmation``: how often it was sent before, unanswered."""
+        self._unanswered.append((command, now))
+        self.send(command, min(confirmation, 255))
 
     def acknowledged(self, command: int, result: int, now: float) -> tuple[Command, int] | None:
-        """A COMMAND_ACK for us. The command that stands wanted and its MAV_RESULT, where this answers it."""
+        """A COMMAND_ACK for us. The command of the flight that it answers, and its MAV_RESULT.
+
+        The autopilot answers in order: where several with the same id wait, it is the oldest one's. So an answer may be
+        taken for another's that was lost, and its own command is then sent once more; never is a command taken for
+        accepted that was not.
+        """
         if self._setting_up is not None and command == self._setting_up.command.id:
             # the autopilot answers in order, so the answer is to the one that was sent last
             if result != 1 or self._setting_up.tries > 3:
                 self._next_set_up(now)
             return None
-        pending = self._wanted
-        if pending is not None and command == pending.command.id and pending.result is None:
-            pending.result = result
-            return pending.command, result
+        self._unanswered = [(asked, at) for asked, at in self._unanswered if now - at < ANSWER_WITHIN]
+        for index, (asked, _) in enumerate(self._unanswered):
+            if asked.id == command:
+                del self._unanswered[index]
+                return asked, result
         return None
 
     def on_timer(self, now: float) -> None:

@@ -23,7 +23,7 @@ from companion.mavlink_common import (
     MAV_STATE_CRITICAL,
     MAV_STATE_STANDBY,
 )
-from companion.vehicle import FrameOrigin, Home, Landed, VehicleState, VehicleStatus
+from companion.vehicle import Fact, FrameOrigin, Home, Landed, VehicleState, VehicleStatus
 
 HEARTBEAT = message("HEARTBEAT")
 ODOMETRY = message("ODOMETRY")
@@ -34,6 +34,17 @@ ESTIMATOR_STATUS = message("ESTIMATOR_STATUS")
 HOME_POSITION = message("HOME_POSITION")
 GPS_GLOBAL_ORIGIN = message("GPS_GLOBAL_ORIGIN")
 
+
+READY_STATES = (MAV_STATE_STANDBY, MAV_STATE_ACTIVE, MAV_STATE_CRITICAL)
+"""MAV_STATE of a vehicle that would accept arming, or has."""
+
+CURRENT_MODE_LASTS = 1.5
+HEARTBEAT_LASTS = 2.5
+EXTENDED_SYS_STATE_LASTS = 2.5
+BATTERY_STATUS_LASTS = 10.0
+ESTIMATOR_STATUS_LASTS = 5.0
+"""s after which what a message said is no longer known: thirty periods of what is asked for (20 Hz), one of the 1 Hz
+heartbeat lost; for the others at least two of PX4's slowest default (engineering choice)."""
 
 POSITION_MAX = 1e5
 """m from the local origin: a float32 resolves 8 mm there (engineering choice)."""
@@ -57,40 +68,47 @@ class Telemetry:
     origin: FrameOrigin | None = None
     refused: dict[str, int] = field(default_factory=dict)
 
-    def receive(self, frame: Frame) -> VehicleState | None:
-        """Take a frame of the vehicle in. The state, where the frame brings one."""
+    _now: float = 0.0
+
+    def receive(self, frame: Frame, now: float) -> VehicleState | None:
+        """Take a frame of the vehicle in, at ``now`` s by our clock. The state, where the frame brings one."""
+        self._now = now
         reader = _READERS.get(frame.format.id)
         return None if reader is None else reader(self, frame)
 
     def _heartbeat(self, frame: Frame) -> None:
         custom_mode, _, _, base_mode, system_status, _ = frame.values
         armed = bool(base_mode & MAV_MODE_FLAG_SAFETY_ARMED)
-        mode = mode_of(custom_mode)
+        mode, before, now = mode_of(custom_mode), self.status.mode, self._now
         self.status = self.status._replace(
-            armed=armed,
-            mode=mode,
+            armed=Fact(armed, now, HEARTBEAT_LASTS),
+            mode=Fact(mode, now, HEARTBEAT_LASTS),
             # whose intention a new mode is, only CURRENT_MODE says
-            intended=self.status.intended if mode is self.status.mode else None,
-            ready=system_status in (MAV_STATE_STANDBY, MAV_STATE_ACTIVE, MAV_STATE_CRITICAL),
-            failsafe=system_status == MAV_STATE_CRITICAL,
+            intended=self.status.intended if before is not None and mode is before.value else None,
+            ready=Fact(system_status in READY_STATES, now, HEARTBEAT_LASTS),
+            failsafe=Fact(system_status == MAV_STATE_CRITICAL, now, HEARTBEAT_LASTS),
+            was_armed=self.status.was_armed or armed,
         )
 
     def _current_mode(self, frame: Frame) -> None:
         custom_mode, intended, _ = frame.values
-        self.status = self.status._replace(mode=mode_of(custom_mode), intended=mode_of(intended))
+        self.status = self.status._replace(
+            mode=Fact(mode_of(custom_mode), self._now, CURRENT_MODE_LASTS),
+            intended=Fact(mode_of(intended), self._now, CURRENT_MODE_LASTS),
+        )
 
     def _extended_state(self, frame: Frame) -> None:
         landed = frame.values[1]
-        known = landed in range(len(Landed))
-        self.status = self.status._replace(landed=Landed(landed) if known else Landed.UNDEFINED)
+        place = Landed(landed) if landed in range(len(Landed)) else Landed.UNDEFINED
+        self.status = self.status._replace(landed=Fact(place, self._now, EXTENDED_SYS_STATE_LASTS))
 
     def _battery(self, frame: Frame) -> None:
         remaining = frame.values[17]
         if frame.values[14] == 0 and 0 <= remaining <= 100:  # the first battery; -1 is not known
-            self.status = self.status._replace(battery=0.01 * remaining)
+            self.status = self.status._replace(battery=Fact(0.01 * remaining, self._now, BATTERY_STATUS_LASTS))
 
     def _estimator(self, frame: Frame) -> None:
-        self.status = self.status._replace(estimator=frame.values[9])
+        self.status = self.status._replace(estimator=Fact(frame.values[9], self._now, ESTIMATOR_STATUS_LASTS))
 
     def _home(self, frame: Frame) -> None:
         latitude, longitude, altitude, x, y, z = frame.values[:6]

@@ -13,25 +13,29 @@ from companion.frames import tilt
 from companion.pilot.memory import Memory, Observation
 from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining, rests
 from companion.plan import Plan
-from companion.vehicle import RateSetpoint
+from companion.vehicle import KnownStatus, RateSetpoint
 
 REHEARSED_FOR = 5.0
 """s of rehearsal where no duration is given."""
+RESTS_FOR = 4.0
+"""s of holding the place after which the thrust is known well enough, whatever its variance (engineering choice)."""
 STILL = 0.15
 """m/s and rad/s below which the vehicle stands."""
 
 
-def safety_inputs(plan: Plan, memory: Memory, seen: Observation, now: float) -> safety.SafetyInputs:
+def safety_inputs(
+    plan: Plan, memory: Memory, seen: Observation, status: KnownStatus, now: float
+) -> safety.SafetyInputs:
     """What the safety rows look at at ``now``, s by our clock."""
-    state, progress, limits = memory.state, memory.progress, plan.conduct.limits
+    state, progress, limits, watch = memory.state, memory.progress, plan.conduct.limits, memory.watch
     if state is None:
-        return safety.SafetyInputs(seen.status, rate=seen.rate, companions=seen.companions)
+        return safety.SafetyInputs(status, rate=seen.rate, companions=seen.companions)
     x, y, z = state.p_n
     fence, home = plan.mission.fence_n, limits.home
     steered = memory.steered if memory.phase in FLOWN else None
     asked = None if steered is None else steered.setpoint
     return safety.SafetyInputs(
-        status=seen.status,
+        status=status,
         following=memory.phase is Phase.FOLLOW and memory.reached,
         path_error=0.0 if progress is None else progress.path_error,
         height=None if limits.ground is None else limits.ground - z,
@@ -44,35 +48,39 @@ def safety_inputs(plan: Plan, memory: Memory, seen: Observation, now: float) -> 
         turning=math.hypot(*state.w_b),
         still=math.hypot(*state.v_n) < STILL and math.hypot(*state.w_b) < STILL,
         saturated=steered is not None and steered.saturated,
-        jump=memory.jump,
-        same_place=memory.same_place,
-        same_attitude=memory.same_attitude,
-        clock_jump=memory.clock_jump,
+        jump=watch.jump,
+        flagged=watch.flagged,
+        same_place=watch.same_place or watch.place_stands,
+        same_attitude=watch.same_attitude or watch.attitude_stands,
+        velocity_off=watch.velocity_off,
+        rates_off=watch.rates_off,
+        clock_jump=watch.clock_jump,
         behind=seen.behind,
         rate=seen.rate,
-        gaps=sum(now - ended < safety.GAPS_WITHIN for ended in memory.gaps),
+        gaps=sum(now - ended < safety.GAPS_WITHIN for ended in watch.gaps),
         companions=seen.companions,
     )
 
 
 def situation(
-    plan: Plan, memory: Memory, seen: Observation, verdict: safety.Verdict, now: float, law_error: str | None
+    plan: Plan,
+    memory: Memory,
+    seen: Observation,
+    status: KnownStatus,
+    verdict: safety.Verdict,
+    now: float,
+    law_error: str | None,
 ) -> Situation:
     """What the transitions look at."""
     conduct = plan.conduct
-    steered = memory.steered
-    missing = None
-    if memory.phase is Phase.PREFLIGHT:
-        has_state = memory.state is not None
-        missing = preflight.missing(preflight.Standing(
-            seen.status, conduct.authority, conduct.finish, conduct.limits, has_state, seen.rate, seen.companions
-        ))  # fmt: skip
+    missing = missing_now(plan, memory, seen, status, now) if memory.phase is Phase.PREFLIGHT else None
+    armed = seen.status.armed
     at_end = memory.phase is Phase.FOLLOW and remaining(plan, memory) < END_WITHIN
     return Situation(
         phase=memory.phase,
         now=now,
         entered=memory.entered,
-        status=seen.status,
+        status=status,
         mode_seen=memory.mode_seen,
         state_at=memory.state_at,
         answer=memory.answer,
@@ -82,14 +90,37 @@ def situation(
         faulty=memory.first_fault is not None,
         stop=seen.stop,
         missing=missing,
-        settled=conduct.at_once or (steered is not None and steered.converged),
+        settled=_settled(plan, memory, now),
         joined=rests(plan, memory, now) if memory.phase is Phase.REST else conduct.at_once or is_at(memory),
         at_end=at_end,
         goes_back=goes_back(plan, memory),
         finished=_finished(plan, memory, now),
         law_error=law_error or bench_fault(memory.shown),
         verdict=verdict if PHASES[memory.phase].steers else safety.NO_FAULT,
+        decided_in=memory.decided_in,
+        asked=0 if memory.asking is None else memory.asking.tries,
+        unusable=memory.watch.unusable,
+        answered=now - memory.answered_at,
+        armed_heard=math.inf if armed is None else now - armed.at,
     )
+
+
+def _settled(plan: Plan, memory: Memory, now: float) -> bool:
+    """Whether the thrust that carries the vehicle is known, or carries it at rest where it is to be."""
+    if plan.conduct.at_once or (memory.steered is not None and memory.steered.converged):
+        return True
+    return now - memory.entered > RESTS_FOR and is_at(memory)
+
+
+def missing_now(plan: Plan, memory: Memory, seen: Observation, status: KnownStatus, now: float) -> str | None:
+    """What is not there that a flight needs; None: it may begin."""
+    conduct = plan.conduct
+    return preflight.missing(preflight.Standing(
+        status, conduct.authority, conduct.finish, conduct.limits, memory.state is not None, seen.rate, seen.companions,
+        None if memory.state_at is None else now - memory.state_at,
+        None if conduct.at_once else seen.clock_pace,
+        seen.link_delay,
+    ))  # fmt: skip
 
 
 def _finished(plan: Plan, memory: Memory, now: float) -> str | None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from companion.flight.asking import Asking, next_at
 from companion.flight.bench import NOTHING_SHOWN, Shown
+from companion.flight.guards import STATE_AGE_MAX
 from companion.flight.phases import Event, Phase, Request
 from companion.flight.safety import NOTHING_SINCE, Since
 from companion.flight.situation import Answer
@@ -22,7 +24,9 @@ class Observation(NamedTuple):
     """What is seen at a tick. ``state``: a new one, or None. ``answer``: to a request, or None. ``link_delay``: s, the
     measured round trip of a message; None until measured. ``rate``: Hz of states, None until measured. ``behind``:
     states that came together with this one and were passed over. ``companions``: others that speak on the link.
-    ``speed_scale``: the factor on the mission's speed that is asked for."""
+    ``speed_scale``: the factor on the mission's speed that is asked for. ``late``: s by which the state is older than
+    the youngest this link has brought. ``clock_pace``: s of the vehicle's clock a second of ours, None until measured.
+    """
 
     state: VehicleState | None
     status: VehicleStatus
@@ -33,6 +37,8 @@ class Observation(NamedTuple):
     behind: int = 0
     companions: int = 0
     speed_scale: float = 1.0
+    late: float = 0.0
+    clock_pace: float | None = None
 
 
 class Progress(NamedTuple):
@@ -44,18 +50,57 @@ class Progress(NamedTuple):
     path_error: float
 
 
+class Sums(NamedTuple):
+    """What moved and turned within the last moment, and what velocity and body rates make of that time (m, rad)."""
+
+    moved: Vec3 = (0.0, 0.0, 0.0)
+    by_velocity: Vec3 = (0.0, 0.0, 0.0)
+    turned: Vec3 = (0.0, 0.0, 0.0)
+    by_rates: Vec3 = (0.0, 0.0, 0.0)
+
+
+class StateWatch(NamedTuple):
+    """What is remembered of the states themselves, to tell good ones from others.
+
+    ``arrived_at``: s, our clock, when the last one arrived. ``gaps``: when the last gaps between them ended.
+    ``jump``: m that the last one lies beside where the one before led, ``flagged``: its reset counter says so.
+    ``clock_jump``: s that the vehicle's clock ran ahead of ours, or was set back. ``older``: how many in a row were
+    older. ``unusable``: why what came last is no state. ``same_place``, ``same_attitude``: the last one repeated those
+    of the one before, and yet moves, or turns. ``checked``: the last one that was compared; ``sums``: with the ones
+    before. ``place_stands``, ``attitude_stands``: too little of it for what velocity and rates say. ``velocity_off``
+    m/s, ``rates_off`` rad/s: how far they disagree.
+    """
+
+    arrived_at: float = 0.0
+    gaps: tuple[float, ...] = ()
+    jump: float = 0.0
+    flagged: bool = False
+    clock_jump: float = 0.0
+    older: int = 0
+    unusable: str | None = None
+    same_place: bool = False
+    same_attitude: bool = False
+    checked: VehicleState | None = None
+    sums: Sums = Sums()
+    place_stands: bool = False
+    attitude_stands: bool = False
+    velocity_off: float = 0.0
+    rates_off: float = 0.0
+
+
 class Memory(NamedTuple):
     """What the pilot remembers from tick to tick.
 
-    ``entered``: when the phase began, s by our clock. ``steered_at``: stamp of the last steered state, ``steered``:
-    what came of it. ``follow_from``: stamp at which following began, ``leg_from``: at which the present leg of a path
-    did. ``leg``: +1 in the mission's direction, -1 back; ``legs``: flown to their ends. ``aim``: the point that is held
-    or gone to. ``reached``: the path was reached in this leg. ``scale``: the factor on the speed and its rate, 1/s.
-    ``jump`` m and ``clock_jump`` s: of the last state. ``same_place``, ``same_attitude``: it repeated those of the
-    state before, and yet moves, or turns. ``gaps``: s by our clock, when the last gaps in the states ended. ``since``:
-    of the safety rows. ``first_fault``: why the flight is not going to be completed, ``fault_event`` its kind,
-    ``advice`` what to do then; ``last_event``: what began the phase. ``flew``: setpoints were sent. ``shown``: on the
-    bench.
+    ``entered``: when the phase began, s by our clock. ``state_at``: s, our clock, when the last state was measured, as
+    far as its lateness is known; ``watch``: of the states. ``mode_seen``: the phase's own mode was; ``asking``: what
+    the phase asks for, ``answer``: to it, ``answered_at`` s; ``decided_in``: the mode in which that began.
+    ``clock_runs``: the stamps advance. ``steered_at``: stamp of the last steered state, ``steered``: what came of it.
+    ``follow_from``: stamp at which following began, ``leg_from``: at which the present leg of a path did. ``leg``: +1
+    in the mission's direction, -1 back; ``legs``: flown to their ends. ``aim``: the point that is held or gone to.
+    ``reached``: the path was reached in this leg. ``scale``: the factor on the speed and its rate, 1/s. ``since``: of
+    the safety rows. ``first_fault``: why the flight is not going to be completed, ``fault_event`` its kind, ``advice``
+    what to do then; ``last_event``: what began the phase. ``flew``: it flew in OFFBOARD on our setpoints. ``shown``:
+    on the bench.
     """
 
     phase: Phase = Phase.PREFLIGHT
@@ -63,7 +108,11 @@ class Memory(NamedTuple):
     state: VehicleState | None = None
     state_at: float | None = None
     mode_seen: bool = False
+    asking: Asking | None = None
     answer: Answer | None = None
+    answered_at: float = 0.0
+    decided_in: Mode | None = None
+    clock_runs: bool = False
     from_ground: bool = False
     steering: SteeringMemory | None = None
     steered: Steered | None = None
@@ -76,11 +125,7 @@ class Memory(NamedTuple):
     aim: At | None = None
     reached: bool = False
     scale: SpeedScale = UNITY
-    jump: float = 0.0
-    clock_jump: float = 0.0
-    same_place: bool = False
-    same_attitude: bool = False
-    gaps: tuple[float, ...] = ()
+    watch: StateWatch = StateWatch()
     since: Since = NOTHING_SINCE
     finished: bool = False
     first_fault: str | None = None
@@ -98,7 +143,9 @@ class Memory(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What is done at a tick: at most one fresh ``setpoint``, the ``request`` that stands, ``notes`` for people.
+    """What is done at a tick: at most one fresh ``setpoint``, the ``request`` that stands and whether it is ``sent``
+    now, ``notes`` for people.
+
     ``steered`` and ``ramp``: how the setpoint came about, for the record; None where the law had no say."""
 
     setpoint: Setpoint | None
@@ -106,6 +153,7 @@ class Outcome(NamedTuple):
     notes: tuple[str, ...]
     steered: Steered | None
     ramp: SpeedScale
+    sent: bool = False
 
 
 class First(NamedTuple):
@@ -123,10 +171,14 @@ def begin(now: float) -> Memory:
 
 
 def wake_at(memory: Memory, now: float) -> float:
-    """When to tick again if nothing arrives."""
+    """When to tick again if nothing arrives: in time to notice that it does not, and to ask again."""
     if memory.phase is Phase.DONE:
         return math.inf
-    return now + (0.4 * WAKE_AFTER if memory.phase is Phase.ABORT else WAKE_AFTER)
+    at = now + (0.4 * WAKE_AFTER if memory.phase is Phase.ABORT else WAKE_AFTER)
+    if memory.state_at is not None and now <= memory.state_at + STATE_AGE_MAX:
+        at = min(at, memory.state_at + STATE_AGE_MAX + 1e-3)
+    asks_at = next_at(memory.asking, memory.phase)
+    return asks_at if now < asks_at < at else at
 
 
 def completed(memory: Memory) -> bool:

@@ -7,16 +7,19 @@ has the setpoint already, so that it can be on its way before the safety rows an
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from companion.flight import safety
+from companion.flight.asking import asked, begun
 from companion.flight.bench import lacking, looked
 from companion.flight.conduct import ControlAuthority
-from companion.flight.guards import STALE_AFTER, STREAM_FIRST, decide
+from companion.flight.guards import STATE_AGE_MAX, STREAM_FIRST, decide
 from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.errors import LawError
-from companion.law.speed_scale import UNITY
+from companion.law.speed_scale import UNITY, SpeedScale
 from companion.pilot.inputs import safety_inputs, situation
+from companion.pilot.intake import compared, take_in
 from companion.pilot.memory import OWN_MODE, First, Memory, Observation, Outcome, Progress
 from companion.pilot.targets import (
     JOIN_WITHIN,
@@ -32,25 +35,22 @@ from companion.pilot.targets import (
     turning,
 )
 from companion.plan import Plan
-from companion.steering.steering import At
-from companion.vehicle import Landed, Mode, VehicleState
+from companion.steering.steering import At, Steered
+from companion.vehicle import KnownStatus, Landed, Mode, Setpoint, VehicleState, VehicleStatus
 
 DT_MAX = 0.1
 """s; a longer gap between two stamps is integrated as this much."""
 LEVEL_FOR = 0.3
 """s of level setpoints after an abort; then silence, so that the autopilot's own failsafe can act."""
-CLOCK_BACK = 1.0
-"""s by which a state must be older than the last one to be the sign of a clock set back, and not merely late."""
 REACHED_WITHIN = 1.0
 """m from the path at which it counts as reached: from then on the tube around it is watched."""
-MOVES, TURNS = 0.1, 0.02
-"""m/s and rad/s from which on a position and an attitude must change from state to state."""
 SEARCH_ANEW = 0.5
 """m of an estimator's jump from which on the nearest point is sought on the whole path."""
 
 FAULTS = frozenset({
     Event.STOP, Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY, Event.STALE, Event.LAW_FAILED,
-    Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED, Event.REFUSED, Event.TIMED_OUT,
+    Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED, Event.REFUSED, Event.TIMED_OUT, Event.STATUS_LOST, Event.SILENT,
+    Event.NOT_OURS,
 })  # fmt: skip
 """The events after which a flight is not completed."""
 
@@ -67,7 +67,7 @@ def compute_setpoint(plan: Plan, memory: Memory, seen: Observation, now: float) 
     The nearest point of the path is then that of the last state: all that hangs on it here is the factor on the speed
     and where the law begins to look for the nearest point of its own.
     """
-    memory = _noticed(memory, seen, now)
+    memory = take_in(memory, seen, now, clock_may_stand=plan.conduct.at_once and not memory.clock_runs)
     if not _calm(memory, seen):
         return memory, None
     try:
@@ -86,91 +86,102 @@ def _calm(memory: Memory, seen: Observation) -> bool:
         memory.phase is Phase.FOLLOW
         and seen.state is not None
         and seen.state is memory.state
-        and seen.status.mode is Mode.OFFBOARD
-        and seen.status.armed is not False
+        and _flies_offboard(seen.status)
         and not seen.stop
         and memory.answer is None
         and memory.since is safety.NOTHING_SINCE
-        and memory.jump == 0.0
-        and abs(memory.clock_jump) <= safety.CLOCK_JUMP
+        and memory.watch.jump == 0.0
+        and abs(memory.watch.clock_jump) <= safety.CLOCK_JUMP
         and not seen.companions
     )
 
 
+def _flies_offboard(status: VehicleStatus) -> bool:
+    """Whether the last that was said is that it flies in OFFBOARD; how old that may be, the rest of the tick knows."""
+    mode, armed = status.mode, status.armed
+    return mode is not None and mode.value is Mode.OFFBOARD and (armed is None or armed.value)
+
+
 def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
-    """The rest of the tick, after ``compute_setpoint`` gave ``memory`` and ``early``."""
-    if seen.state is not None and seen.state is memory.state:
+    """The rest of the tick, after ``compute_setpoint`` gave ``memory`` and ``early``:
+
+        progress and agreement of the state -> safety rows -> changes of phase -> setpoint -> request
+
+    Where ``early`` has the setpoint already, the one for this state is not computed again.
+    """
+    fresh = seen.state is not None and seen.state is memory.state
+    if fresh and seen.state is not None:
         memory = trimmed(plan, _progressed(plan, memory, seen.state))
-    since, verdict = safety.watched(memory.since, safety_inputs(plan, memory, seen, now), plan.conduct.limits, now)
+        memory = memory._replace(watch=compared(memory.watch, seen.state))
+    status = seen.status.known(now)
+    since, verdict = safety.watched(
+        memory.since, safety_inputs(plan, memory, seen, status, now), plan.conduct.limits, now
+    )
     if since is not memory.since:
         memory = memory._replace(since=since)
+    moment = Moment(plan, seen, status, verdict, now, [])
     if early is not None:
-        memory = _after(plan, memory, early)
-    notes: list[str] = []
-    memory = _decided(plan, memory, seen, verdict, now, notes)
-    if early is not None:
-        if not memory.flew:
-            memory = memory._replace(flew=True)
-        request = _request(plan, memory, seen, now)
-        return memory, Outcome(early.steered.setpoint, request, tuple(notes), early.steered, early.ramp)
-    steered, ramp, setpoint = None, UNITY, None
-    fresh = seen.state is not None and seen.state is memory.state
+        memory = _decided(moment, _after(plan, memory, early))
+        command = Commanded(early.steered.setpoint, early.steered, early.ramp)
+    else:
+        memory = _decided(moment, memory)
+        memory, command = _commanded(moment, memory, fresh)
+    memory, request, sent = _requested(moment, memory)
+    if command.setpoint is not None and not memory.flew and status.mode is Mode.OFFBOARD:
+        memory = memory._replace(flew=True)
+    return memory, Outcome(command.setpoint, request, tuple(moment.notes), command.steered, command.ramp, sent)
+
+
+class Moment(NamedTuple):
+    """What does not change within a tick. ``notes`` collects lines for people."""
+
+    plan: Plan
+    seen: Observation
+    status: KnownStatus
+    verdict: safety.Verdict
+    now: float
+    notes: list[str]
+
+
+class Commanded(NamedTuple):
+    """The setpoint of a tick, if there is one, and how the law came to it."""
+
+    setpoint: Setpoint | None = None
+    steered: Steered | None = None
+    ramp: SpeedScale = UNITY
+
+
+NOTHING = Commanded()
+
+
+def _commanded(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Commanded]:
+    """The setpoint for the present phase. ``fresh``: this tick has a new state."""
+    plan, seen, status, _, now, notes = moment
+    command = NOTHING
     if memory.phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
         memory = _shown(plan, memory, notes) if fresh else memory
     elif fresh and PHASES[memory.phase].steers and memory.phase is not Phase.ABORT:
         try:
-            asked = _steered(plan, memory, seen)
-            memory, steered, ramp = _after(plan, memory, asked), asked.steered, asked.ramp
-            setpoint = None if memory.phase is Phase.REHEARSE else steered.setpoint
+            law = _steered(plan, memory, seen)
+            memory = _after(plan, memory, law)
+            setpoint = None if memory.phase is Phase.REHEARSE else law.steered.setpoint
+            command = Commanded(setpoint, law.steered, law.ramp)
         except LawError as error:
-            memory = _decided(plan, memory, seen, verdict, now, notes, str(error))
-    elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None:
-        setpoint = neutral(plan, memory.state, seen.status.landed is not Landed.IN_AIR)
+            memory = _decided(moment, memory, str(error))
+    elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None and status.mode is not None:
+        command = Commanded(neutral(plan, memory.state, status.landed is not Landed.IN_AIR))
     if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR:
-        recent = memory.state_at is not None and now - memory.state_at <= STALE_AFTER
-        usable = recent and not memory.same_attitude
-        setpoint = plan.steering.level(memory.state if usable else None, memory.steering)
-    if setpoint is not None and not memory.flew and memory.phase is not Phase.STAND_BY:
-        memory = memory._replace(flew=True)
-    return memory, Outcome(setpoint, _request(plan, memory, seen, now), tuple(notes), steered, ramp)
-
-
-def _noticed(memory: Memory, seen: Observation, now: float) -> Memory:
-    """The memory with what arrived taken in. A state older than the last one is not a state."""
-    answer = memory.answer
-    if seen.answer is not None and seen.answer.request is PHASES[memory.phase].request:
-        answer = seen.answer
-    mode_seen = memory.mode_seen or seen.status.mode is OWN_MODE.get(memory.phase, Mode.UNKNOWN)
-    new, old = seen.state, memory.state
-    if new is None or old is None or memory.state_at is None or -CLOCK_BACK < new.t_boot - old.t_boot < 0.0:
-        memory = memory._replace(answer=answer, mode_seen=mode_seen, jump=0.0, clock_jump=0.0)
-        if new is None or old is not None:
-            return memory
-        return memory._replace(state=new, state_at=now)
-    passed = new.t_boot - old.t_boot
-    jump = 0.0
-    if new.resets != old.resets:
-        jump = math.dist(new.p_n, [p + v * passed for p, v in zip(old.p_n, old.v_n, strict=True)])
-    ahead = passed - (now - memory.state_at)
-    # a link that fell silent and delivers late is no clock that jumped
-    clock_jump = ahead if passed < 0.0 or ahead > 0.0 else 0.0
-    same_place, same_attitude = memory.same_place, memory.same_attitude
-    if passed > 0.0:  # not the same state once more
-        same_place = new.p_n == old.p_n and (same_place or math.hypot(*new.v_n) > MOVES)
-        same_attitude = new.q_nb == old.q_nb and (same_attitude or math.hypot(*new.w_b) > TURNS)
-    gaps = memory.gaps
-    if now - memory.state_at > safety.GAP:
-        gaps = (*(ended for ended in gaps if now - ended < safety.GAPS_WITHIN), now)
-    return memory._replace(
-        answer=answer, mode_seen=mode_seen, state=new, state_at=now, jump=jump, clock_jump=clock_jump,
-        same_place=same_place, same_attitude=same_attitude, gaps=gaps,
-    )  # fmt: skip
+        watch, at = memory.watch, memory.state_at
+        stands = watch.same_attitude or watch.attitude_stands
+        usable = at is not None and now - at <= STATE_AGE_MAX and not stands
+        command = Commanded(plan.steering.level(memory.state if usable else None, memory.steering))
+    return memory, command
 
 
 def _progressed(plan: Plan, memory: Memory, state: VehicleState) -> Memory:
     """The memory with where a new state is along the path."""
     known, moved = memory.progress, 0.0
-    if known is None or memory.jump > SEARCH_ANEW:
+    if known is None or memory.watch.jump > SEARCH_ANEW:
         s, distance = plan.table.locate(state.p_n)
     else:
         # a step no longer than the vehicle can have come: a path that crosses itself keeps its branch
@@ -182,33 +193,34 @@ def _progressed(plan: Plan, memory: Memory, state: VehicleState) -> Memory:
     return memory._replace(progress=progress, reached=reached)
 
 
-def _decided(
-    plan: Plan, memory: Memory, seen: Observation, verdict: safety.Verdict, now: float, notes: list[str],
-    law_error: str | None = None,
-) -> Memory:  # fmt: skip
+def _decided(moment: Moment, memory: Memory, law_error: str | None = None) -> Memory:
     """The memory after every change of phase that this moment brings."""
+    plan, seen, status, verdict, now, notes = moment
     while True:
-        decision = decide(situation(plan, memory, seen, verdict, now, law_error))
+        decision = decide(situation(plan, memory, seen, status, verdict, now, law_error))
         if decision is None:
             return memory
         phase, event, reason = decision
         notes.append(f"{memory.phase.value} -> {phase.value}: {reason}")
         if phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
             notes.append(f"tilt the vehicle by hand, 15 degrees to every side: {lacking(memory.shown)}")
-        memory = _entered(plan, memory, phase, event, reason, verdict, now)
+        memory = _entered(moment, memory, phase, event, reason)
 
 
-def _entered(
-    plan: Plan, memory: Memory, phase: Phase, event: Event, reason: str, verdict: safety.Verdict, now: float
-) -> Memory:
+def _entered(moment: Moment, memory: Memory, phase: Phase, event: Event, reason: str) -> Memory:
+    plan, status = moment.plan, moment.status
     came_from = memory.phase
     if memory.first_fault is None and event in FAULTS:
-        advice = verdict.advice if event in (Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED) else None
+        advice = moment.verdict.advice if event in (Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED) else None
         memory = memory._replace(first_fault=reason, fault_event=event, advice=advice)
+    request = PHASES[phase].request if plan.conduct.authority is ControlAuthority.COMPANION else None
+    asking = begun(request, memory.asking, status)
     memory = memory._replace(
         phase=phase,
-        entered=now,
-        answer=None,
+        entered=moment.now,
+        asking=asking,
+        answer=memory.answer if asking is not None and asking is memory.asking else None,
+        decided_in=memory.decided_in if request is None else status.mode,
         last_event=event,
         # OFFBOARD seen while taking over counts: following begins in it
         mode_seen=memory.mode_seen and OWN_MODE.get(phase) is OWN_MODE.get(came_from),
@@ -282,12 +294,15 @@ def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
     return memory._replace(shown=shown)
 
 
-def _request(plan: Plan, memory: Memory, seen: Observation, now: float) -> Request | None:
-    phase = memory.phase
-    if plan.conduct.authority is not ControlAuthority.COMPANION:
-        return None  # the pilot arms and changes the mode, nobody else
-    if phase is Phase.TAKE_OVER and now - memory.entered < STREAM_FIRST:
-        return None
-    if phase is Phase.RELEASE and seen.status.armed is not False:
-        return None  # a failsafe that flies is left alone; on the ground OFFBOARD is ended for good
-    return PHASES[phase].request
+def _requested(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, bool]:
+    """What the phase asks for, and whether that is sent now."""
+    asking, status, now = memory.asking, moment.status, moment.now
+    if asking is None:
+        return memory, None, False
+    if memory.phase is Phase.TAKE_OVER and now - memory.entered < STREAM_FIRST:
+        return memory, None, False
+    if memory.phase is Phase.RELEASE and status.armed is not False:
+        return memory, None, False  # a failsafe that flies is left alone; on the ground OFFBOARD is ended for good
+    lost = memory.last_event is Event.STALE
+    later, sent = asked(asking, memory.answer, status, memory.phase, now, lost=lost)
+    return memory if later is asking else memory._replace(asking=later), asking.request, sent

@@ -14,6 +14,7 @@ from companion.record.table import Column, Row, dtype_of
 from companion.steering.steering import Estimates
 from companion.vehicle import (
     AttitudeSetpoint,
+    Fact,
     Landed,
     Mode,
     MotorSetpoint,
@@ -24,6 +25,8 @@ from companion.vehicle import (
 )
 
 NONE = -1
+FACTS = ("armed", "mode", "intended", "landed", "ready", "failsafe", "battery", "estimator")
+"""The facts of VehicleStatus, each with the time when it was said."""
 
 SEEN = (
     Column("now", "d", "s, our monotonic clock"),
@@ -50,11 +53,20 @@ SEEN = (
     Column("behind", "i", "states that arrived with this one and were passed over"),
     Column("companions", "i", "other companions that speak on the link"),
     Column("speed_scale", "d", "the factor on the mission's speed that is asked for"),
+    Column("late", "d", "s by which the state is older than the youngest that the link has brought"),
+    Column("clock_pace", "d", "s of the vehicle's clock a second of ours, nan not measured"),
+    Column("was_armed", "b", "1: it was seen armed since it was first heard"),
+    *(
+        Column(f"{fact}_{part}", "d", meaning)
+        for fact in FACTS
+        for part, meaning in (("at", "s, our clock, when it was said, nan never"), ("lasts", "s for which that counts"))
+    ),
 )
 
 DONE = (
     Column("phase", "b", "index of phases.Phase after the tick"),
     Column("request", "b", "index of phases.Request that stands, -1 none"),
+    Column("asked", "b", "1: it was sent at this tick"),
     Column("setpoint", "b", "0 none, 1 motors, 2 rates, 3 attitude"),
     *(
         Column(f"sent_{i}", "d", "motors: commands; rates: p, q, r (rad/s), thrust; attitude: q, thrust")
@@ -130,6 +142,7 @@ _NOT_SENT = (math.nan,) * 5
 def seen_part(observation: Observation, now: float) -> Row:
     """The columns ``SEEN``."""
     state, status, answer = observation.state, observation.status, observation.answer
+    said = status.last
     if state is None:
         told: Row = _NO_STATE
     else:
@@ -137,14 +150,14 @@ def seen_part(observation: Observation, now: float) -> Row:
     return (
         now,
         *told,
-        _flag(status.armed),
-        _index(status.mode),
-        _index(status.intended),
-        _index(status.landed),
-        _flag(status.ready),
-        _flag(status.failsafe),
-        _number(status.battery),
-        NONE if status.estimator is None else status.estimator,
+        _flag(said.armed),
+        _index(said.mode),
+        _index(said.intended),
+        _index(said.landed),
+        _flag(said.ready),
+        _flag(said.failsafe),
+        _number(said.battery),
+        NONE if said.estimator is None else said.estimator,
         NONE if answer is None else _index(answer.request),
         NONE if answer is None else _index(answer.reply),
         int(observation.stop),
@@ -153,7 +166,15 @@ def seen_part(observation: Observation, now: float) -> Row:
         observation.behind,
         observation.companions,
         observation.speed_scale,
+        observation.late,
+        _number(observation.clock_pace),
+        int(status.was_armed),
+        *(value for fact in status[: len(FACTS)] for value in _age(fact)),
     )
+
+
+def _age(fact: Any) -> tuple[float, float]:
+    return (math.nan, math.nan) if fact is None else (fact.at, fact.lasts)
 
 
 def sent_part(setpoint: Setpoint | None) -> tuple[int, float, float, float, float, float]:
@@ -170,7 +191,7 @@ def sent_part(setpoint: Setpoint | None) -> tuple[int, float, float, float, floa
 
 def done_part(memory: Memory, outcome: Outcome) -> Row:
     """The columns ``DONE``."""
-    return (_index(memory.phase), _index(outcome.request), *sent_part(outcome.setpoint))
+    return (_index(memory.phase), _index(outcome.request), int(outcome.sent), *sent_part(outcome.setpoint))
 
 
 def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> Row:
@@ -223,16 +244,21 @@ def seen_again(row: Any) -> tuple[Observation, float]:
             w_b=(float(row["p"]), float(row["q"]), float(row["r"])),
             resets=int(row["resets"]),
         )
-    status = VehicleStatus(
-        armed=_unflag(row["armed"]),
-        mode=_member(Mode, row["mode"]),
-        intended=_member(Mode, row["intended"]),
-        landed=_member(Landed, row["landed"]),
-        ready=_unflag(row["ready"]),
-        failsafe=_unflag(row["failsafe"]),
-        battery=_unnumber(row["battery"]),
-        estimator=None if row["estimator"] == NONE else int(row["estimator"]),
+    values = (
+        _unflag(row["armed"]),
+        _member(Mode, row["mode"]),
+        _member(Mode, row["intended"]),
+        _member(Landed, row["landed"]),
+        _unflag(row["ready"]),
+        _unflag(row["failsafe"]),
+        _unnumber(row["battery"]),
+        None if row["estimator"] == NONE else int(row["estimator"]),
     )
+    facts = [
+        None if value is None else Fact(value, float(row[f"{name}_at"]), float(row[f"{name}_lasts"]))
+        for name, value in zip(FACTS, values, strict=True)
+    ]
+    status = VehicleStatus(**dict(zip(FACTS, facts, strict=True)), was_armed=bool(row["was_armed"]))  # type: ignore[arg-type]
     request, reply = _member(Request, row["answer_to"]), _member(Reply, row["answer"])
     answer = None if request is None or reply is None else Answer(request, reply)
     return Observation(
@@ -245,4 +271,6 @@ def seen_again(row: Any) -> tuple[Observation, float]:
         int(row["behind"]),
         int(row["companions"]),
         float(row["speed_scale"]),
+        float(row["late"]),
+        _unnumber(row["clock_pace"]),
     ), float(row["now"])

@@ -8,13 +8,26 @@ from pathlib import Path
 import pytest
 
 from companion.flight.conduct import ControlAuthority, Finish
-from companion.flight.guards import CONFIRM_WITHIN, GUARDS, STALE_AFTER, decide
-from companion.flight.phases import EXITS, FLOWN, PHASES, PRE_EMPTIONS, TRANSITIONS, Event, Phase, Request, diagram
+from companion.flight.guards import CONFIRM_WITHIN, GUARDS, STATE_AGE_MAX, decide
+from companion.flight.phases import (
+    EXITS,
+    FLOWN,
+    PHASES,
+    PRE_EMPTIONS,
+    TRANSITIONS,
+    Event,
+    Phase,
+    Request,
+    diagram,
+    pre_emption_table,
+)
 from companion.flight.safety import Action, Verdict, table
 from companion.flight.situation import Answer, Reply, Situation
-from companion.vehicle import Landed, Mode, VehicleStatus
+from companion.vehicle import KnownStatus, Landed, Mode
 
-FLYING = VehicleStatus(armed=True, mode=Mode.OFFBOARD, intended=Mode.OFFBOARD, landed=Landed.IN_AIR, ready=True)
+FLYING = KnownStatus(
+    armed=True, mode=Mode.OFFBOARD, intended=Mode.OFFBOARD, landed=Landed.IN_AIR, ready=True, mode_age=0.1
+)
 AIRBORNE = (Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK)
 
 
@@ -51,7 +64,7 @@ def test_the_tables_name_every_event_and_phase_once() -> None:
 
 @pytest.mark.parametrize("phase", AIRBORNE)
 def test_a_fault_pre_empts_every_phase_that_steers(phase: Phase) -> None:
-    stale = decide(situation(phase, state_at=10.0 - STALE_AFTER - 0.01))
+    stale = decide(situation(phase, state_at=10.0 - STATE_AGE_MAX - 0.01))
     assert stale is not None
     assert stale[0] is Phase.ABORT
     failed = decide(situation(phase, law_error="singular"))
@@ -110,8 +123,9 @@ def test_a_pilot_may_leave_and_come_back() -> None:
 def test_a_late_report_of_the_old_mode_is_not_a_human() -> None:
     """OFFBOARD was accepted, but a heartbeat sent before still says Hold."""
     old = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
-    assert decide(situation(Phase.FOLLOW, status=old, mode_seen=False)) is None
-    late = decide(situation(Phase.FOLLOW, status=old, mode_seen=False, entered=10.0 - CONFIRM_WITHIN - 0.01))
+    just = situation(Phase.FOLLOW, status=old, mode_seen=False, decided_in=Mode.HOLD)
+    assert decide(just) is None
+    late = decide(just._replace(entered=10.0 - CONFIRM_WITHIN - 0.01))
     assert late is not None
     assert late[0] is Phase.HAND_BACK
 
@@ -151,12 +165,16 @@ def test_stop_hands_back_and_does_not_land() -> None:
 def test_refusals() -> None:
     later = Answer(Request.OFFBOARD, Reply.TEMPORARILY_REJECTED)
     no = Answer(Request.OFFBOARD, Reply.DENIED)
-    waiting = FLYING._replace(mode=Mode.HOLD)
-    assert decide(situation(Phase.TAKE_OVER, answer=later, status=waiting)) is None  # asked again until the time is out
-    decision = decide(situation(Phase.TAKE_OVER, answer=no, status=waiting))
+    waiting = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
+    assert (
+        decide(situation(Phase.TAKE_OVER, answer=later, status=waiting, decided_in=Mode.HOLD, mode_seen=False)) is None
+    )  # asked again until the time is out
+    decision = decide(situation(Phase.TAKE_OVER, answer=no, status=waiting, decided_in=Mode.HOLD, mode_seen=False))
     assert decision is not None
     assert decision[2] == "the vehicle refused offboard mode: denied"
-    decision = decide(situation(Phase.TAKE_OVER, answer=later, status=waiting, entered=4.0))
+    decision = decide(
+        situation(Phase.TAKE_OVER, answer=later, status=waiting, entered=4.0, decided_in=Mode.HOLD, mode_seen=False)
+    )
     assert decision is not None
     assert decision[2] == "take over was not done within 5 s: the vehicle answered temporarily rejected"
 
@@ -174,7 +192,7 @@ def test_random_walks_never_raise_and_always_end() -> None:
                     phase=phase,
                     now=now,
                     entered=entered,
-                    status=VehicleStatus(
+                    status=KnownStatus(
                         armed=rng.choice((None, True, False)),
                         mode=rng.choice((None, *Mode)),
                         intended=rng.choice((None, *Mode)),
@@ -210,4 +228,5 @@ def test_random_walks_never_raise_and_always_end() -> None:
 def test_the_diagram_in_the_docs_is_the_table() -> None:
     page = (Path(__file__).parents[2] / "docs" / "flight.md").read_text(encoding="utf-8")
     assert diagram() in page
+    assert pre_emption_table() in page
     assert table() in page

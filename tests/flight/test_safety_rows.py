@@ -21,10 +21,10 @@ from companion.law.speed_scale import SpeedScale
 from companion.paths.implicit import ImplicitPath
 from companion.paths.polyline import line
 from companion.profiles import ConstantSpeed, ConstantYaw
-from companion.vehicle import VehicleStatus
+from companion.vehicle import KnownStatus
 
 LIMITS = Limits(tilt=math.radians(58.0))
-CALM = SafetyInputs(VehicleStatus(), following=True)
+CALM = SafetyInputs(KnownStatus(), following=True)
 
 
 def after(seconds: float, sight: SafetyInputs, limits: Limits = LIMITS) -> Action:

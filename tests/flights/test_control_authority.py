@@ -245,12 +245,12 @@ def test_a_vehicle_without_position_is_not_flown_and_it_says_why() -> None:
     flown = flight(level=OutputLevel.RATES, from_ground=True, prepare=blind, time_out=90.0)
     memory = flown.conductor.memory
     assert memory is not None
-    said = epilogue(memory, flown.conductor.telemetry.status.mode)
+    said = epilogue(memory, flown.conductor.telemetry.status.last.mode)
     assert said is not None
     assert "does not know its horizontal position" in said
     assert "nothing was flown" in said
     assert not flown.setpoints
-    assert flown.conductor.telemetry.status.landed is Landed.ON_GROUND
+    assert flown.conductor.telemetry.status.last.landed is Landed.ON_GROUND
 
 
 def test_a_vehicle_of_another_mass_is_not_flown_and_it_says_why() -> None:

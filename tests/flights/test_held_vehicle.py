@@ -2,10 +2,10 @@
 
 from companion.flight.conduct import Limits
 from companion.flight.safety import NOTHING_SINCE, Action, SafetyInputs, watched
-from companion.vehicle import VehicleStatus
+from companion.vehicle import KnownStatus
 
 LIMITS = Limits(tilt=1.0)
-HELD = SafetyInputs(VehicleStatus(), following=True, rate_error=3.9, turning=0.0, still=True, saturated=True)
+HELD = SafetyInputs(KnownStatus(), following=True, rate_error=3.9, turning=0.0, still=True, saturated=True)
 
 
 def after(seconds: float, sight: SafetyInputs) -> Action:

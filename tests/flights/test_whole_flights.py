@@ -61,8 +61,8 @@ def test_a_flight_from_the_ground_lands_where_it_began() -> None:
         "done",
     ]
     assert flown.between.truth.on_ground
-    assert flown.conductor.telemetry.status.landed is Landed.ON_GROUND
-    assert flown.conductor.telemetry.status.armed is False
+    assert flown.conductor.telemetry.status.last.landed is Landed.ON_GROUND
+    assert flown.conductor.telemetry.status.last.armed is False
 
 
 def test_every_setpoint_is_clamped_finite_and_new() -> None:

@@ -92,38 +92,42 @@ def ready(link: wire.Link) -> Peer:
     return vehicle
 
 
-def test_a_command_is_sent_at_once_and_again_until_it_is_no_longer_wanted() -> None:
+def test_a_command_of_the_flight_is_sent_once_each_time_it_is_asked_for() -> None:
     link = wire.Link()
     vehicle = ready(link)
     offboard = requests.set_mode(Mode.OFFBOARD)
-    link.requests.want(offboard, 1.0)
+    link.requests.ask(offboard, 0, 1.0)
     assert vehicle.commands() == [(176, 6.0, 0)]
-    link.requests.want(offboard, 1.2)
-    assert vehicle.commands() == []
-    link.requests.want(offboard, 1.51)
-    assert vehicle.commands() == [(176, 6.0, 1)]  # a retry says so
-    assert vehicle.acknowledges(176, 1, 1.52) == (offboard, 1)
-    link.requests.want(offboard, 2.0)
-    assert vehicle.commands() == []
-    link.requests.want(offboard, 2.6)
-    assert vehicle.commands() == [(176, 6.0, 0)]  # refused for the time being: asked anew
-    assert vehicle.acknowledges(176, 0, 2.61) == (offboard, 0)
-    link.requests.want(offboard, 4.0)
-    assert vehicle.commands() == []
-    link.requests.want(None, 4.1)
-    link.requests.want(requests.set_mode(Mode.HOLD), 4.2)
-    assert vehicle.commands() == [(176, 4.0, 0)]
+    link.on_timer(1.6)
+    assert vehicle.commands() == []  # nothing is repeated that was not decided anew
+    link.requests.ask(offboard, 1, 1.7)
+    assert vehicle.commands() == [(176, 6.0, 1)]
+    assert vehicle.acknowledges(176, 1, 1.72) == (offboard, 1)
 
 
 def test_answers_to_others_and_repeated_answers_do_not_count() -> None:
     link = wire.Link()
     vehicle = ready(link)
-    link.requests.want(requests.ARM, 1.0)
+    link.requests.ask(requests.ARM, 0, 1.0)
     assert vehicle.acknowledges(400, 0, 1.01, target=190) is None
     assert Peer(link, 1, 50).acknowledges(400, 0, 1.01) is None  # not the autopilot
     assert vehicle.acknowledges(22, 0, 1.01) is None
     assert vehicle.acknowledges(400, 0, 1.02) == (requests.ARM, 0)
     assert vehicle.acknowledges(400, 0, 1.03) is None
+
+
+def test_an_answer_is_never_taken_for_a_later_command() -> None:
+    """Modes share one command: OFFBOARD's late acceptance must not count as HOLD's."""
+    link = wire.Link()
+    vehicle = ready(link)
+    offboard, hold = requests.set_mode(Mode.OFFBOARD), requests.set_mode(Mode.HOLD)
+    link.requests.ask(offboard, 0, 1.0)
+    link.requests.ask(hold, 0, 1.1)
+    assert vehicle.acknowledges(176, 0, 1.12) == (offboard, 0)
+    assert vehicle.acknowledges(176, 0, 1.13) == (hold, 0)
+    link.requests.ask(offboard, 0, 2.0)  # lost
+    link.requests.ask(hold, 0, 3.1)
+    assert vehicle.acknowledges(176, 0, 3.12) == (hold, 0)
 
 
 def test_who_it_is_and_what_it_can_do() -> None:

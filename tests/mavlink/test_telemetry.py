@@ -56,7 +56,7 @@ def test_states_of_the_session() -> None:
     for frame in frames(SESSION):
         if (frame.system, frame.component) != (1, 1):
             continue
-        state = telemetry.receive(frame)
+        state = telemetry.receive(frame, 0.0)
         if state is not None:
             states.append(state)
         if frame.format.name == "LOCAL_POSITION_NED":
@@ -65,18 +65,18 @@ def test_states_of_the_session() -> None:
     assert stamps == sorted(stamps)
     assert all(0.007 < b - a < 0.017 for a, b in itertools.pairwise(stamps))
     assert {state.v_n for state in states} <= set(velocities)  # velocity in NED, bit for bit PX4's own
-    assert telemetry.status.mode is Mode.OFFBOARD
-    assert telemetry.status.armed
-    assert telemetry.status.landed is Landed.IN_AIR
+    assert telemetry.status.last.mode is Mode.OFFBOARD
+    assert telemetry.status.last.armed
+    assert telemetry.status.last.landed is Landed.IN_AIR
     assert not telemetry.refused
 
 
 def test_velocity_in_the_body_frame_is_turned() -> None:
     """PX4 up to 1.13: with the nose to the east, forward is east."""
-    state = Telemetry().receive(odometry(child_frame_id=12))
+    state = Telemetry().receive(odometry(child_frame_id=12), 0.0)
     assert state is not None
     assert state.v_n == pytest.approx((0.0, 4.0, 0.0), abs=1e-6)
-    plain = Telemetry().receive(odometry())
+    plain = Telemetry().receive(odometry(), 0.0)
     assert plain is not None
     assert plain.v_n == (4.0, 0.0, 0.0)
     assert plain.p_n == (1.0, 2.0, -3.0)
@@ -104,7 +104,7 @@ def test_velocity_in_the_body_frame_is_turned() -> None:
 )
 def test_what_is_no_state_is_refused_and_counted(changes: dict[str, Value], reason: str) -> None:
     telemetry = Telemetry()
-    assert telemetry.receive(odometry(**changes)) is None
+    assert telemetry.receive(odometry(**changes), 0.0) is None
     ((said, count),) = telemetry.refused.items()
     assert reason in said
     assert count == 1
@@ -112,7 +112,7 @@ def test_what_is_no_state_is_refused_and_counted(changes: dict[str, Value], reas
 
 def test_a_state_at_the_edge_of_what_a_vehicle_can_be_is_one() -> None:
     telemetry = Telemetry()
-    state = telemetry.receive(odometry(x=9e4, vx=190.0, rollspeed=69.0, time_usec=2**52 - 1))
+    state = telemetry.receive(odometry(x=9e4, vx=190.0, rollspeed=69.0, time_usec=2**52 - 1), 0.0)
     assert state is not None
     assert state.t_boot < 2**52 * 1e-6
     assert not telemetry.refused
@@ -132,7 +132,7 @@ def test_a_state_at_the_edge_of_what_a_vehicle_can_be_is_one() -> None:
 def test_a_place_that_is_none_is_not_known(name: str, fields: dict[str, Value]) -> None:
     telemetry = Telemetry()
     (frame,) = Decoder().datagram(Encoder(1, 1).message(message(name), **fields))
-    telemetry.receive(frame)
+    telemetry.receive(frame, 0.0)
     assert telemetry.home is None
     assert telemetry.origin is None
 
@@ -146,8 +146,8 @@ def test_modes(custom_mode: int, mode: Mode) -> None:
     (frame,) = Decoder().datagram(
         Encoder(1, 1).message(HEARTBEAT, custom_mode=custom_mode, base_mode=0x81, system_status=5, autopilot=12)
     )
-    telemetry.receive(frame)
-    assert telemetry.status.mode is mode
-    assert telemetry.status.armed
-    assert telemetry.status.failsafe
+    telemetry.receive(frame, 0.0)
+    assert telemetry.status.last.mode is mode
+    assert telemetry.status.last.armed
+    assert telemetry.status.last.failsafe
     assert mode is Mode.UNKNOWN or Mode(mode.value).custom_mode == custom_mode

@@ -12,7 +12,7 @@ from companion.flight.phases import Phase
 from companion.flight.safety import NOTHING_SINCE
 from companion.pilot import Memory, Observation
 from companion.plan import Plan
-from companion.vehicle import Mode, VehicleState
+from companion.vehicle import Fact, Mode, VehicleState
 from tests.support.flights import Flown, flight
 
 pytestmark = pytest.mark.xdist_group("setpoint_before_the_rest")
@@ -59,8 +59,8 @@ def test_what_must_stop_the_setpoint_is_never_late(following: tuple[Plan, Tick])
         *(seen._replace(state=wrong) for wrong in (seconds_back, restarted, ahead, moved)),
         seen._replace(stop=True),
         seen._replace(companions=1),
-        seen._replace(status=status._replace(mode=Mode.HOLD)),
-        seen._replace(status=status._replace(armed=False)),
+        seen._replace(status=status._replace(mode=Fact(Mode.HOLD, now, 1.5))),
+        seen._replace(status=status._replace(armed=Fact(False, now, 2.5))),
     ):
         assert not early(plan, before, bad, now)
     assert not early(plan, before._replace(since=(now, *NOTHING_SINCE[1:])), seen, now)

@@ -1,0 +1,87 @@
+"""How a vehicle is asked for something: on fresh knowledge, three times at most, and never against somebody's word.
+
+An ``Asking`` belongs to one phase. It remembers the mode in which it was decided; where another one is seen, somebody
+decided otherwise, and nothing more is asked. It ends for good with an acceptance. ``asked`` is the only way to send.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.flight.phases import Phase, Request
+from companion.flight.situation import Answer
+from companion.vehicle import KnownStatus, Landed, Mode
+
+TRIES = 3
+"""times that a request is sent (issue 11, rule 2)."""
+RETRY, RETRY_HOLD = 0.5, 0.35
+"""s between two tries: three lie within 1.5 s; and in an abort within the second after the last status (rule 2)."""
+FRESH, FRESH_LOST = 1.0, 0.3
+"""s: how old the last word about the mode may be when something is asked for; and when HOLD is first asked for because
+no state comes any more (rule 2). PX4 says its mode twice a second, and at once when it changes."""
+BACK_AFTER = 1.5
+"""s without a mode after which the link was away: when it is back, HOLD may be asked for three times more."""
+
+
+class Asking(NamedTuple):
+    """What a phase asks for. ``mode``: in which it was decided, None where it was not known. ``tries``: how often it
+    was sent, ``sent_at``: s, when last. ``was_away``: the link was, since the last try; ``again``: HOLD was given its
+    second three tries."""
+
+    request: Request
+    mode: Mode | None
+    tries: int = 0
+    sent_at: float = -math.inf
+    was_away: bool = False
+    again: bool = False
+
+
+def begun(request: Request | None, before: Asking | None, status: KnownStatus) -> Asking | None:
+    """What a phase asks for that has just begun. HOLD that was asked for goes on being the same asking."""
+    if request is None:
+        return None
+    if before is not None and before.request is request:
+        return before
+    return Asking(request, status.mode)
+
+
+def asked(
+    asking: Asking, answer: Answer | None, status: KnownStatus, phase: Phase, now: float, *, lost: bool
+) -> tuple[Asking, bool]:
+    """The asking after this moment, and whether it is sent now. ``lost``: the phase began because no state comes."""
+    if answer is not None and answer.accepted:
+        return asking, False
+    if status.mode_age > BACK_AFTER:
+        return (asking if asking.was_away else asking._replace(was_away=True)), False
+    if not _allowed(asking, status):
+        return asking, False
+    if asking.was_away and asking.request is Request.HOLD and asking.tries and not asking.again:
+        asking = asking._replace(tries=0, again=True)
+    oldest = FRESH_LOST if lost and not asking.tries else FRESH
+    if asking.tries >= TRIES or status.mode_age > oldest:
+        return asking, False
+    if now - asking.sent_at < (RETRY_HOLD if phase is Phase.ABORT else RETRY) - 1e-9:
+        return asking, False
+    return asking._replace(tries=asking.tries + 1, sent_at=now, was_away=False), True
+
+
+def next_at(asking: Asking | None, phase: Phase) -> float:
+    """s, when ``asked`` may have something to send again; inf for never."""
+    if asking is None or asking.tries >= TRIES:
+        return math.inf
+    return asking.sent_at + (RETRY_HOLD if phase is Phase.ABORT else RETRY)
+
+
+def _allowed(asking: Asking, status: KnownStatus) -> bool:
+    """Whether what is known of the vehicle lets this be asked of it."""
+    request = asking.request
+    if request is Request.HOLD:  # only to end OFFBOARD, which PX4 keeps in mind through failsafes and landings
+        return status.intended is Mode.OFFBOARD or (status.intended is None and status.mode is Mode.OFFBOARD)
+    if status.mode is not asking.mode or status.mode is None:
+        return False
+    if request is Request.ARM:
+        return status.armed is False and status.landed is Landed.ON_GROUND and not status.was_armed
+    if request in (Request.TAKE_OFF, Request.DISARM):
+        return status.armed is True and status.landed is Landed.ON_GROUND
+    return status.armed is True

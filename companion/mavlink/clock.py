@@ -1,0 +1,90 @@
+"""How late a state is: our clock against its stamp, over the best that this link has done.
+
+    late = (now - t_boot) - best            best: the least of (now - t_boot), moved with the drift of the two clocks
+
+A clock that runs fast lowers ``best`` by itself, with the states. One that runs slow must raise it, and that a growing
+delay must not do. So it is raised only by what TIMESYNC proves: the vehicle answered after we asked, hence our clock
+is ahead of its clock by ``sent - answered`` at least, whatever the way down takes. When that bound rises to where it
+never was (which the least round trips show first), the clocks drift; a delay that grows either way only lowers it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+DRIFT_MAX = 0.06
+"""s a second that the vehicle's clock may fall behind: PX4's simulator on a busy computer runs at 0.949 (px4.md, 0.10).
+"""
+DRIFT_UNPROVEN = 2e-4
+"""s a second that is believed without TIMESYNC: twice what two crystals differ (engineering choice)."""
+STOOD_FOR = 1.0
+"""s of nothing but late states after which a vehicle that has not begun to fly was started anew: see ``restart``."""
+LATE = 0.5
+"""s: from here on a state counts as one of another clock while nothing flies."""
+PACE_OVER, PACE_FIRST = 2.0, 0.2
+"""s over which the pace of the vehicle's clock is taken, and the first time sooner."""
+
+
+@dataclass(slots=True)
+class VehicleClock:
+    """One vehicle's clock. ``pace``: s of it a second of ours, None until measured. ``may_restart``: nothing flies, so
+    a vehicle whose clock begins anew is taken again. ``restarts``: how often that was."""
+
+    pace: float | None = None
+    may_restart: bool = True
+    restarts: int = 0
+    _best: float = math.inf
+    _at: float = -math.inf
+    _floor: float = -math.inf
+    _floor_at: float = -math.inf
+    _late_since: float | None = None
+    _pace_from: tuple[float, float] | None = None
+
+    def late(self, t_boot: float, now: float) -> float:
+        """s by which a state that arrives at ``now`` is older than the youngest this link has brought."""
+        apart = now - t_boot
+        best = self._best + DRIFT_UNPROVEN * (now - self._at) if self._at > -math.inf else math.inf
+        self._at = now
+        if apart < best:
+            if self._floor > -math.inf and best < math.inf:
+                self._floor += apart - best
+            best = apart
+        self._best = best
+        late = apart - best
+        if late < LATE:
+            self._late_since = None
+        elif self._late_since is None:
+            self._late_since = now
+        elif self.may_restart and now - self._late_since > STOOD_FOR:
+            self.restart()
+            return self.late(t_boot, now)
+        self._measure(t_boot, now)
+        return late
+
+    def restart(self) -> None:
+        """Forget what was: the vehicle's clock began anew."""
+        self.restarts += 1
+        self._best, self._at = math.inf, -math.inf
+        self._floor = self._floor_at = -math.inf
+        self._late_since = self._pace_from = self.pace = None
+
+    def synchronise(self, sent: float, answered: float, now: float) -> None:
+        """TIMESYNC: asked at ``sent`` by our clock, answered at ``answered`` by the vehicle's, back at ``now``."""
+        floor = sent - answered
+        if self._floor == -math.inf:
+            self._floor, self._floor_at = floor, now
+        elif floor > self._floor:
+            rise = min(floor - self._floor, DRIFT_MAX * (now - self._floor_at))
+            self._best += rise
+            self._floor, self._floor_at = floor, now
+
+    def _measure(self, t_boot: float, now: float) -> None:
+        """How fast the vehicle's clock runs."""
+        if self._pace_from is None:
+            self._pace_from = (t_boot, now)
+            return
+        stamp, at = self._pace_from
+        if now - at >= (PACE_FIRST if self.pace is None else PACE_OVER):
+            self.pace = (t_boot - stamp) / (now - at)
+            self._pace_from = (t_boot, now)

@@ -1,0 +1,128 @@
+"""What arrives is taken in: whether a state is one, how old it is, and whether it agrees with the one before.
+
+A state counts when its stamp lies after that of the last one and it is no older than STATE_AGE_MAX. Anything else is no
+state, however often it comes.
+"""
+
+from __future__ import annotations
+
+import math
+
+from companion.flight import safety
+from companion.flight.guards import STATE_AGE_MAX
+from companion.flight.phases import Phase
+from companion.frames import Vec3, conjugate, multiply
+from companion.pilot.memory import OWN_MODE, Memory, Observation, StateWatch, Sums
+from companion.vehicle import Mode, VehicleState
+
+CLOCK_BACK = 1.0
+"""s by which a state must be older than the last one to be the sign of a clock set back, and not merely late."""
+OLDER_IN_A_ROW = 5
+"""States older than the last one, with none between them that is newer, after which the clock was set back (engineering
+choice: a second route brings them between the first one's)."""
+NEW_CLOCK_AFTER = 1.0
+"""s without a state after which an earlier stamp begins anew, while nothing flies: the vehicle was switched on anew."""
+JUMP_MIN = 1.0
+"""m beside the place where the last state's velocity leads that are a jump: a quarter of a second at 30 m/s^2."""
+MOVES, TURNS = 0.1, 0.02
+"""m/s and rad/s from which on a position and an attitude must change from state to state."""
+WINDOW = 0.06
+"""s over which what moved is compared with what velocity and rates say (engineering choice)."""
+MOVES_SURELY, TURNS_SURELY = 0.5, 0.06
+"""m/s and rad/s from which on a change of less than STANDS of what they make of it is none."""
+STANDS = 0.3
+
+
+def take_in(memory: Memory, seen: Observation, now: float, *, clock_may_stand: bool) -> Memory:
+    """The memory with what was seen. ``clock_may_stand``: a simulated vehicle whose clock waits for the first setpoint.
+    A state that counts is ``memory.state`` afterwards."""
+    answer, asking, known = seen.answer, memory.asking, memory.answer
+    answers = answer is not None and asking is not None and answer.request is asking.request
+    if answers and (known is None or not known.accepted):
+        memory = memory._replace(answer=answer, answered_at=now)
+    mode_seen = memory.mode_seen
+    if not mode_seen and seen.status.mode is not None:
+        mode_seen = seen.status.mode.value is OWN_MODE.get(memory.phase, Mode.UNKNOWN)
+    new, old, watch = seen.state, memory.state, memory.watch
+    if new is None:
+        if watch.jump or watch.clock_jump:
+            watch = watch._replace(jump=0.0, clock_jump=0.0)
+        return memory._replace(mode_seen=mode_seen, watch=watch)
+    if old is None or memory.state_at is None:
+        return memory._replace(
+            mode_seen=mode_seen, state=new, state_at=now - seen.late,
+            watch=watch._replace(arrived_at=now, checked=new),
+        )  # fmt: skip
+    passed = new.t_boot - old.t_boot
+    begins_anew = clock_may_stand and passed == 0.0
+    if memory.phase in (Phase.PREFLIGHT, Phase.STAND_BY):
+        begins_anew = begins_anew or (passed < 0.0 and now - memory.state_at > NEW_CLOCK_AFTER)
+    if (passed <= 0.0 and not begins_anew) or seen.late > STATE_AGE_MAX:
+        watch = _unusable(watch, passed, seen.late)
+        return memory._replace(mode_seen=mode_seen, watch=watch)
+    jump, flagged = 0.0, new.resets != old.resets
+    (x, y, z), (u, v, w), (a, b, c) = old.p_n, old.v_n, new.p_n
+    off = max(abs(a - x - u * passed), abs(b - y - v * passed), abs(c - z - w * passed))
+    ahead = passed - (now - watch.arrived_at)
+    if (flagged or (off > JUMP_MIN and ahead < safety.CLOCK_JUMP)) and not begins_anew:
+        jump = math.hypot(a - x - u * passed, b - y - v * passed, c - z - w * passed)
+    gaps = watch.gaps
+    if now - watch.arrived_at > safety.GAP:
+        gaps = (*(ended for ended in gaps if now - ended < safety.GAPS_WITHIN), now)
+    same_place, same_attitude = watch.same_place, watch.same_attitude
+    if passed > 0.0:
+        same_place = new.p_n == old.p_n and (same_place or math.hypot(*new.v_n) > MOVES)
+        same_attitude = new.q_nb == old.q_nb and (same_attitude or math.hypot(*new.w_b) > TURNS)
+    watch = watch._replace(
+        jump=jump, flagged=flagged, clock_jump=max(ahead, 0.0), same_place=same_place, same_attitude=same_attitude,
+        gaps=gaps, arrived_at=now, unusable=None, older=0,
+    )  # fmt: skip
+    runs = memory.clock_runs or passed > 0.0
+    return memory._replace(mode_seen=mode_seen, state=new, state_at=now - seen.late, watch=watch, clock_runs=runs)
+
+
+def _unusable(watch: StateWatch, passed: float, late: float) -> StateWatch:
+    """What is remembered of a state that is none."""
+    older = watch.older + 1 if passed < -CLOCK_BACK else 0
+    clock_jump = passed if older == OLDER_IN_A_ROW else 0.0
+    if passed == 0.0:
+        why = "the same one comes again and again (the stamp of ODOMETRY stands still)"
+    elif passed < 0.0:
+        why = f"what comes is {-passed:.1f} s older than the last one"
+    else:
+        why = f"they come {late:.2f} s late"
+    return watch._replace(jump=0.0, clock_jump=clock_jump, older=older, unusable=why)
+
+
+NO_SUMS = Sums()
+
+
+def compared(watch: StateWatch, new: VehicleState) -> StateWatch:
+    """The watch once a state was compared with the one before. Nothing of it is needed before the setpoint is sent."""
+    old = watch.checked
+    if old is None or new.resets != old.resets or not 0.0 < new.t_boot - old.t_boot < WINDOW:
+        return watch._replace(checked=new, sums=NO_SUMS, place_stands=False, attitude_stands=False)
+    dt = new.t_boot - old.t_boot
+    keep = 1.0 - dt / WINDOW
+    _, x, y, z = multiply(conjugate(old.q_nb), new.q_nb)
+    sign = 2.0 if _ >= 0.0 else -2.0
+    sums = watch.sums
+    sums = Sums(
+        _summed(sums.moved, keep, (new.p_n[0] - old.p_n[0], new.p_n[1] - old.p_n[1], new.p_n[2] - old.p_n[2]), 1.0),
+        _summed(sums.by_velocity, keep, new.v_n, dt),
+        _summed(sums.turned, keep, (x, y, z), sign),
+        _summed(sums.by_rates, keep, new.w_b, dt),
+    )
+    should_move, should_turn = math.hypot(*sums.by_velocity), math.hypot(*sums.by_rates)
+    return watch._replace(
+        checked=new,
+        sums=sums,
+        place_stands=should_move > MOVES_SURELY * WINDOW and math.hypot(*sums.moved) < STANDS * should_move,
+        attitude_stands=should_turn > TURNS_SURELY * WINDOW and math.hypot(*sums.turned) < STANDS * should_turn,
+        velocity_off=math.dist(sums.moved, sums.by_velocity) / WINDOW,
+        rates_off=math.dist(sums.turned, sums.by_rates) / WINDOW,
+    )
+
+
+def _summed(total: Vec3, keep: float, more: Vec3, factor: float) -> Vec3:
+    return (keep * total[0] + factor * more[0], keep * total[1] + factor * more[1], keep * total[2] + factor * more[2])
