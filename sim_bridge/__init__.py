@@ -11,6 +11,7 @@ The machine
     noise         processes with a memory
     gusts         Dryden's turbulence
     plant         all of it, one step at a time
+    trim          what holds a vehicle that starts in the wind
     sensors       truth to the estimate the autopilot flies by
 What happens
     event_schedule  a world's events by the clock

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from companion.frames import Vec3, euler_from_rotation, rotation_matrix
+from companion.frames import euler_from_rotation, rotation_matrix
 from companion.mavlink.codec import Counters, Frame
 from companion.mavlink.signing import SETUP_SIGNING
 from companion.mavlink_common import MavResult
@@ -19,7 +19,7 @@ from companion.vehicle import MotorInterface, Vehicle
 from companion.world import Start, World
 from companion.world.events import Operator, Stranger
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.flight_modes.manual_control import Deflection
+from sim_bridge.autopilot.flight_modes.manual_control import ManualControlSetpoint
 from sim_bridge.autopilot.mavlink.link import Link
 from sim_bridge.autopilot.mavlink.setpoint_link import COMPONENT, SYSTEM
 from sim_bridge.autopilot.mavlink.signing import KeyStore
@@ -27,11 +27,12 @@ from sim_bridge.autopilot.mavlink.streams import GROUND_STATION, ONBOARD, Boot, 
 from sim_bridge.autopilot.messages import Values
 from sim_bridge.control.position import Target
 from sim_bridge.link_model import LinkWay
-from sim_bridge.noise import Cause, normals
+from sim_bridge.noise import RandomStream, normals
 from sim_bridge.operator import ask
 from sim_bridge.plant import OFF, Plant, Truth
 from sim_bridge.sensors import Sensors, exact
 from sim_bridge.strangers import FIRST_STRANGER, Speaker
+from sim_bridge.trim import steady_disturbance
 from sim_bridge.world_events import COMPANION, Reach, WorldEvents
 
 FAST_STATE = 250.0
@@ -74,12 +75,15 @@ class Bridge:
         self._count = 0
         self.direct = direct or vehicle.motors is MotorInterface.DIRECT
         self.plant = Plant(vehicle, world, self._per_second, seed)
-        self._sensors = Sensors(world.estimate, self.step_s, normals(seed, Cause.ESTIMATE))
-        self._up, self._down = LinkWay(world.link.up, seed, Cause.UP), LinkWay(world.link.down, seed, Cause.DOWN)
+        self._sensors = Sensors(world.estimate, self.step_s, normals(seed, RandomStream.ESTIMATE))
+        self._up, self._down = (
+            LinkWay(world.link.up, seed, RandomStream.UP),
+            LinkWay(world.link.down, seed, RandomStream.DOWN),
+        )
         self.world_events = WorldEvents(
             world.events,
             Reach(
-                self.plant, self._sensors, self._down, self._up, self._ask, self._dial, normals(seed, Cause.SAID)
+                self.plant, self._sensors, self._down, self._up, self._ask, self._dial, normals(seed, RandomStream.SAID)
             ),
         )  # fmt: skip
         weight, lift = self.plant.vehicle.weight, self.plant.vehicle.thrust_max
@@ -169,7 +173,7 @@ class Bridge:
         sticks = events.sticks
         if sticks is not None and now_us >= self._sticks_at_us:
             self._sticks_at_us = now_us + STICKS_US
-            autopilot.take_sticks(Deflection(sticks.roll, sticks.pitch, sticks.yaw, sticks.throttle), events)
+            autopilot.take_sticks(ManualControlSetpoint(sticks.roll, sticks.pitch, sticks.yaw, sticks.throttle), events)
         for speaker in events.speakers:
             self._speak(speaker, now_us)
 
@@ -218,7 +222,7 @@ class Bridge:
         vehicle = self.plant.vehicle
         at_rest = v_n == w_b == (0.0, 0.0, 0.0) and q_nb[1] == q_nb[2] == 0.0 and not start.held
         drag = vehicle.drag + world.truth.rotor_drag + world.truth.quadratic_drag * math.hypot(*world.wind_n)
-        disturbance = _against(world.wind_n, drag, vehicle.gravity)
+        disturbance = steady_disturbance(world.wind_n, drag, vehicle.gravity)
         self.plant.fly(p_n, v_n, q_nb, w_b, OFF)
         heading = euler_from_rotation(rotation_matrix(q_nb))[0]
         target = Target(p_n, (0.0, 0.0, 0.0), heading)
@@ -291,13 +295,3 @@ class Bridge:
             self._leaving.append((endpoint, datagram))
         else:
             self._down.send(self._count * self._step_us, endpoint, datagram)
-
-
-def _against(wind_n: Vec3, drag: float, gravity: float) -> Vec3:
-    """The acceleration the position loop must add to hold against the wind's drag (m/s^2, NED).
-
-    The loop turns it into a thrust whose level part grows with its vertical part; that is taken out here.
-    """
-    north, east, down = (-drag * wind for wind in wind_n)
-    lift = 1.0 - down / gravity
-    return (north / lift, east / lift, down) if math.isfinite(lift) and lift > 0.1 else (north, east, 0.0)

@@ -29,7 +29,7 @@ class Marks(NamedTuple):
     offboard: float | None = None
 
 
-class Script:
+class EventSchedule:
     """The events of one flight."""
 
     def __init__(self, events: Iterable[Event]) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from companion.mavlink.dialect import message
 from companion.world.events import LinkCut, LinkDelay, LinkDuplicate, LinkEvent, LinkRecut, LinkRepeat, LinkThin
 from companion.world.link import Way
-from sim_bridge.noise import Cause
+from sim_bridge.noise import RandomStream
 
 OVERTAKEN_FOR_US = 20_000
 """us a datagram that is overtaken comes later than it should."""
@@ -28,7 +28,7 @@ def message_id(datagram: bytes) -> int | None:
 class LinkWay:
     """One way of every endpoint's link: datagrams in now, out when they arrive. Times are us of the bridge's clock."""
 
-    def __init__(self, way: Way, seed: int, cause: Cause) -> None:
+    def __init__(self, way: Way, seed: int, cause: RandomStream) -> None:
         self._way = way
         self._is_ideal = not way
         self._delay_us = round(way.delay * 1e6)

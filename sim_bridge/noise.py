@@ -16,7 +16,7 @@ Draw = Callable[[], float]
 DRAWN_AT_ONCE = 1024
 
 
-class Cause(enum.IntEnum):
+class RandomStream(enum.IntEnum):
     """What chance is for. Each has its own source: a world with one more of them keeps the others as they were."""
 
     GUSTS = 0
@@ -26,7 +26,7 @@ class Cause(enum.IntEnum):
     SAID = 4
 
 
-def normals(seed: int, cause: Cause) -> Draw:
+def normals(seed: int, cause: RandomStream) -> Draw:
     """A source of normal numbers, the same for the same seed."""
 
     def drawn() -> Iterator[float]:

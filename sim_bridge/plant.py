@@ -12,7 +12,7 @@ from sim_bridge import environment
 from sim_bridge.battery import Cells
 from sim_bridge.gusts import GustyAir
 from sim_bridge.integrate import Motion, runge_kutta
-from sim_bridge.noise import Cause, normals
+from sim_bridge.noise import RandomStream, normals
 from sim_bridge.rigid_body import body_of, derivative_of, true_vehicle
 from sim_bridge.rotors import Four, lagging, spinning, thrust_wanted
 
@@ -72,7 +72,7 @@ class Plant:
         self._gusts = (
             None
             if world.gusts is None
-            else GustyAir(world.gusts, world.wind_n, self.step_s, normals(seed, Cause.GUSTS))
+            else GustyAir(world.gusts, world.wind_n, self.step_s, normals(seed, RandomStream.GUSTS))
         )
         self.cells = None if world.battery is None else Cells(world.battery, self.vehicle.thrust_max)
         self.wind_n = world.wind_n

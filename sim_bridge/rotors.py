@@ -43,14 +43,14 @@ def thrust_wanted(rotors: tuple[Rotor, ...]) -> Callable[[Four], Four]:
     return wanted
 
 
-class Lag(NamedTuple):
+class MotorLag(NamedTuple):
     """A first-order lag over one step, solved exactly: what is left of the gap after half and after the whole step."""
 
     half: float
     full: float
 
     @classmethod
-    def over(cls, step: float, lag: float) -> Lag:
+    def over(cls, step: float, lag: float) -> MotorLag:
         """For a time constant ``lag`` and a step of ``step``, s. A lag of 0 follows at once."""
         return cls(math.exp(-0.5 * step / lag), math.exp(-step / lag)) if lag > 0.0 else cls(0.0, 0.0)
 
@@ -65,7 +65,7 @@ def lagging(step: float, lag: float) -> Course:
 
     Without a lag the thrusts jump at the beginning, and the step knows only the new ones.
     """
-    half, full = Lag.over(step, lag)
+    half, full = MotorLag.over(step, lag)
     if full == 0.0:
         return lambda now, wanted: (wanted, wanted, wanted)
 

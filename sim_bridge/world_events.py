@@ -23,7 +23,7 @@ from companion.world.events import (
     Stranger,
     Wind,
 )
-from sim_bridge.event_schedule import Marks, Script
+from sim_bridge.event_schedule import EventSchedule, Marks
 from sim_bridge.link_model import LinkWay
 from sim_bridge.noise import Draw
 from sim_bridge.plant import STILL, Plant
@@ -58,18 +58,18 @@ class WorldEvents:
     """
 
     def __init__(self, events: Iterable[Event], reach: Reach) -> None:
-        self._script = Script(events)
+        self._schedule = EventSchedule(events)
         self._reach = reach
         self._marks = Marks()
         self._last: list[Happening] = []
         self.faults = StateFaults(reach.draw)
         self.sticks: Sticks | None = None
         self.speakers: list[Speaker] = []
-        self.any = bool(self._script)
+        self.any = bool(self._schedule)
 
     def add(self, event: Event) -> None:
         """One more event, in the midst of a flight. Its times count as those of a world's."""
-        self._script.add(event)
+        self._schedule.add(event)
         self.any = True
 
     def update(self, t: float, now_us: int, *, armed: bool, offboard_flown: bool) -> None:
@@ -78,7 +78,7 @@ class WorldEvents:
             self._marks = self._marks._replace(armed=t)
         if offboard_flown and self._marks.offboard is None:
             self._marks = self._marks._replace(offboard=t)
-        for event in self._script.happened(t, self._marks):
+        for event in self._schedule.happened(t, self._marks):
             if isinstance(event, EstimatorReset):
                 self._reach.sensors.reset(event)
             elif isinstance(event, ClockJump):
@@ -87,7 +87,7 @@ class WorldEvents:
                 self._reach.ask(event)
             elif isinstance(event, PortChange):
                 self._reach.dial()
-        lasting = self._script.now(t, self._marks)
+        lasting = self._schedule.now(t, self._marks)
         if lasting != self._last:
             self._last = lasting
             self._change(lasting, now_us)

@@ -16,13 +16,13 @@ from sim_bridge.autopilot.commander.commander import MANUAL, READY_AFTER, Comman
 from sim_bridge.autopilot.commander.events import Events
 from sim_bridge.autopilot.commander.fence_watch import FenceWatch
 from sim_bridge.autopilot.commander.home_position import HomePosition
-from sim_bridge.autopilot.commander.landing import LandingDetector
+from sim_bridge.autopilot.commander.landing import LandDetector
 from sim_bridge.autopilot.flight_modes.guidance import Guidance, TakeOff, Throttle
-from sim_bridge.autopilot.flight_modes.manual import BY_PLACE_OR_HEIGHT, StickFlight
-from sim_bridge.autopilot.flight_modes.manual_control import CENTRED, Deflection, Sticks
-from sim_bridge.autopilot.flight_modes.offboard import PlaceFlight
-from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
-from sim_bridge.autopilot.flight_modes.setpoints import AttitudeDemand, Demand, MotorDemand, RateDemand
+from sim_bridge.autopilot.flight_modes.manual import BY_PLACE_OR_HEIGHT, ManualFlight
+from sim_bridge.autopilot.flight_modes.manual_control import CENTRED, ManualControl, ManualControlSetpoint
+from sim_bridge.autopilot.flight_modes.offboard import PositionFlight
+from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
+from sim_bridge.autopilot.flight_modes.setpoints import AttitudeSetpoint, MotorSetpoint, RatesSetpoint, Setpoint
 from sim_bridge.autopilot.missions.flight import MissionFlight
 from sim_bridge.autopilot.missions.mission_watch import MissionWatch
 from sim_bridge.autopilot.missions.store import Store
@@ -42,7 +42,7 @@ UNIX_US_AT_BOOT = 1_767_225_600_000_000
 class Autopilot:
     """The autopilot of one vehicle, stepped every ``step`` s. ``direct``: it takes motor commands.
 
-    ``pack``: its battery, where the world has one. ``estimate``: the last one; ``demand``: what
+    ``pack``: its battery, where the world has one. ``estimate``: the last one; ``setpoint``: what
     offboard flies; ``offboard_flown``: whether it has flown any; ``truth``: what only the simulation knows, for the
     message that tells it.
     """
@@ -69,18 +69,18 @@ class Autopilot:
             home, self.projection,
         )  # fmt: skip
         self.cascade = Cascade(vehicle, step)
-        self.sticks = Sticks(self.parameters)
+        self.sticks = ManualControl(self.parameters)
         self.checks = HealthAndArmingChecks(self.parameters, self.commander, self.battery, self.fence, self.sticks)
-        self.stick_flight = StickFlight(self.parameters, self.cascade.hover, vehicle.gravity)
-        self.place_flight = PlaceFlight(self.parameters)
+        self.manual_flight = ManualFlight(self.parameters, self.cascade.hover, vehicle.gravity)
+        self.position_flight = PositionFlight(self.parameters)
         self._step = step
         self.estimate = estimate
         self.truth = truth
-        self.demand: Demand | None = None
+        self.setpoint: Setpoint | None = None
         self.offboard_flown = False
         self.unix_us_at_boot = UNIX_US_AT_BOOT
         self.attitude_told: tuple[int, Quaternion, float] = (0, (1.0, 0.0, 0.0, 0.0), 0.0)  # by ATTITUDE_TARGET
-        self._landing = LandingDetector(landed=True)
+        self._landing = LandDetector(landed=True)
         self._stands = True
         self._supervise_at_us = 0
         self._flown: Mode | None = None
@@ -91,7 +91,7 @@ class Autopilot:
         self.truth = truth
         self.commander.begin_in_flight()
         self.home_position.begin_in_flight()
-        self._landing = LandingDetector(landed=False)
+        self._landing = LandDetector(landed=False)
         self.guidance.enter(Mode.HOLD, estimate)
         self._stands = False
         self._flown = Mode.HOLD
@@ -126,7 +126,7 @@ class Autopilot:
         now, commander, cascade = self.estimate, self.commander, self.cascade
         mode = commander.mode
         if not commander.armed or mode is Mode.TERMINATION:
-            self._flown = self.demand = None
+            self._flown = self.setpoint = None
             cascade.stop(now)
             return None
         if mode is not self._flown:
@@ -154,9 +154,9 @@ class Autopilot:
         if commander.failsafe_flags.manual_control_signal_lost:
             sticks = CENTRED
         if commander.mode not in BY_PLACE_OR_HEIGHT:
-            return self._fly(now, self.stick_flight.demand(now, sticks, commander.landed, self._step))
+            return self._fly(now, self.manual_flight.setpoint(now, sticks, commander.landed, self._step))
         if cascade.wants_target:
-            wanted = self.stick_flight.aim(
+            wanted = self.manual_flight.aim(
                 now, sticks, self.guidance.home_n[2] - now.p_n[2], self.t - commander.armed_at, commander.landed,
                 self._stands, self._landing.touching, cascade.position_step,
             )  # fmt: skip
@@ -184,7 +184,7 @@ class Autopilot:
         commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
-        rates_alone = isinstance(self.demand, RateDemand | MotorDemand)
+        rates_alone = isinstance(self.setpoint, RatesSetpoint | MotorSetpoint)
         self.checks.update(SUPERVISION_US * 1e-6, self.t, estimate, self.home_position.p_n, rates_alone)
         self.mission_watch.update(estimate, self.t)
         commander.update(self.t)
@@ -192,18 +192,18 @@ class Autopilot:
             self.events.keep(*said, estimate.time_us)
         self.home_position.update(estimate, commander.armed, commander.landed)
 
-    def offboard(self, demand: Demand) -> None:
+    def offboard(self, setpoint: Setpoint) -> None:
         """An offboard setpoint. Motor commands count only where the vehicle takes them."""
-        if isinstance(demand, MotorDemand) and not self.direct:
+        if isinstance(setpoint, MotorSetpoint) and not self.direct:
             return
         self.commander.setpoint_arrived(self.t)
         if self.commander.armed and self.commander.mode is Mode.OFFBOARD:
-            if isinstance(demand, PositionDemand) and not isinstance(self.demand, PositionDemand):
+            if isinstance(setpoint, TrajectorySetpoint) and not isinstance(self.setpoint, TrajectorySetpoint):
                 self.cascade.begin_position()
-            self.demand = demand
+            self.setpoint = setpoint
             self.offboard_flown = True
 
-    def take_sticks(self, position: Deflection, source: object) -> None:
+    def take_sticks(self, position: ManualControlSetpoint, source: object) -> None:
         """Where a pilot's sticks are."""
         self.sticks.take(position, source, self.t)
         self.commander.throttle = position.throttle
@@ -255,43 +255,43 @@ class Autopilot:
                 MavSeverity.INFO, f"RTL: start return at {above[0]} m ({above[1]} m above destination)\t"
             )  # fmt: skip
         if mode in MANUAL:
-            self.stick_flight.enter(mode, self.estimate)
+            self.manual_flight.enter(mode, self.estimate)
         else:
             self.guidance.enter(mode, self.estimate)
         if mode is not Mode.OFFBOARD:
-            self.demand = None
+            self.setpoint = None
             if came_from_offboard:
                 self.cascade.begin(self.estimate)
 
     def _fly_offboard(self, now: Estimate) -> Four:
         """The last setpoint, for as long as the commander leaves us in offboard; before the first, what was flown."""
-        demand, cascade = self.demand, self.cascade
-        if isinstance(demand, MotorDemand):
-            return cascade.fly_motors(now, demand.commands)
-        if isinstance(demand, PositionDemand):
-            return self._fly_to_a_place(now, demand)
-        if demand is not None:
-            return self._fly(now, demand)
+        setpoint, cascade = self.setpoint, self.cascade
+        if isinstance(setpoint, MotorSetpoint):
+            return cascade.fly_motors(now, setpoint.commands)
+        if isinstance(setpoint, TrajectorySetpoint):
+            return self._fly_to_a_place(now, setpoint)
+        if setpoint is not None:
+            return self._fly(now, setpoint)
         if self.direct:
             return cascade.fly_motors(now, cascade.commands)
         return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, self.commander.landed)
 
-    def _fly_to_a_place(self, now: Estimate, demand: PositionDemand) -> Four:
+    def _fly_to_a_place(self, now: Estimate, setpoint: TrajectorySetpoint) -> Four:
         """A place, a velocity, an acceleration."""
         commander, cascade = self.commander, self.cascade
         if cascade.wants_target:
-            wanted = self.place_flight.aim(
-                now, demand, self.t - commander.armed_at, commander.landed, self._stands, self._landing.touching
+            wanted = self.position_flight.aim(
+                now, setpoint, self.t - commander.armed_at, commander.landed, self._stands, self._landing.touching
             )  # fmt: skip
             if isinstance(wanted, Throttle):
                 return self._open_throttle(now, wanted)
             cascade.aim(now, wanted)
         return cascade.fly_aim(now)
 
-    def _fly(self, now: Estimate, demand: AttitudeDemand | RateDemand) -> Four:
+    def _fly(self, now: Estimate, setpoint: AttitudeSetpoint | RatesSetpoint) -> Four:
         """An attitude or rates."""
-        if isinstance(demand, RateDemand):
-            return self.cascade.fly_rates(now, demand.rates, demand.thrust, self.commander.landed)
+        if isinstance(setpoint, RatesSetpoint):
+            return self.cascade.fly_rates(now, setpoint.rates, setpoint.thrust, self.commander.landed)
         return self.cascade.fly_attitude(
-            now, demand.q_nb, demand.thrust, demand.heading_rate, self.commander.landed
+            now, setpoint.q_nb, setpoint.thrust, setpoint.heading_rate, self.commander.landed
         )  # fmt: skip

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from companion.frames import Vec3
 
 
-class Pace(NamedTuple):
+class TrajectoryLimits(NamedTuple):
     """Limits of a reference, PX4's MPC_* defaults: m/s level, up and down; m/s^2; m/s^3; m/s^2 to stop a climb."""
 
     cruise: float = 5.0
@@ -30,13 +30,13 @@ class Reference(NamedTuple):
     a_n: Vec3 = (0.0, 0.0, 0.0)
 
 
-def arrival_speed(distance: float, most: float, pace: Pace) -> float:
+def arrival_speed(distance: float, most: float, pace: TrajectoryLimits) -> float:
     """The speed from which a point can come to rest in ``distance`` (m), jerk included: PX4's rule of thumb."""
     b = 4.0 * pace.acceleration * pace.acceleration / pace.jerk
     return min(most, 0.5 * (math.sqrt(b * b + 8.0 * pace.acceleration * distance) - b))
 
 
-def towards(reference: Reference, place: Vec3, pace: Pace, step: float) -> Reference:
+def towards(reference: Reference, place: Vec3, pace: TrajectoryLimits, step: float) -> Reference:
     """The reference one step (s) further on its way to ``place``, where it comes to rest."""
     x, y, z = reference.p_n
     dx, dy, dz = place[0] - x, place[1] - y, place[2] - z
@@ -49,7 +49,7 @@ def towards(reference: Reference, place: Vec3, pace: Pace, step: float) -> Refer
     return along(reference, (dx * share, dy * share, math.copysign(vertical, dz)), pace, step)
 
 
-def along(reference: Reference, velocity: Vec3, pace: Pace, step: float) -> Reference:
+def along(reference: Reference, velocity: Vec3, pace: TrajectoryLimits, step: float) -> Reference:
     """The reference one step (s) on, its velocity brought nearer to ``velocity`` as fast as ``pace`` allows."""
     (x, y, z), (vx, vy, vz), (ax, ay, az) = reference
     bx, by = _acceleration(velocity[0] - vx, velocity[1] - vy, pace, step)
@@ -61,7 +61,7 @@ def along(reference: Reference, velocity: Vec3, pace: Pace, step: float) -> Refe
     return Reference((x + vx * step, y + vy * step, z + vz * step), (vx, vy, vz), (ax, ay, az))
 
 
-def _acceleration(dx: float, dy: float, pace: Pace, step: float) -> tuple[float, float]:
+def _acceleration(dx: float, dy: float, pace: TrajectoryLimits, step: float) -> tuple[float, float]:
     """The acceleration that closes a gap in velocity soonest and can still be taken back in time."""
     gap = math.hypot(dx, dy)
     if gap == 0.0:

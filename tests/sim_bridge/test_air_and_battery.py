@@ -16,7 +16,7 @@ from companion.world import Battery, Deviations, Event, World
 from companion.world.air import DrydenGusts, Gusts
 from companion.world.machine import RotorDynamics
 from sim_bridge.gusts import GustyAir
-from sim_bridge.noise import Cause, FirstOrder, SecondOrder, normals
+from sim_bridge.noise import FirstOrder, RandomStream, SecondOrder, normals
 from sim_bridge.plant import Plant
 from sim_bridge.rotors import spinning
 from tests.support.plant_client import Client
@@ -34,7 +34,7 @@ def hovering(*events: Event, vehicle: str = "x500", **world: Any) -> Client:
 
 @pytest.mark.parametrize("a", [0.01, 0.3, 2.0])
 def test_processes_have_their_variance_and_memory_whatever_the_step(a: float) -> None:
-    draw = normals(1, Cause.GUSTS)
+    draw = normals(1, RandomStream.GUSTS)
     one, two = FirstOrder(draw, a, 1.0), SecondOrder(draw, a, 1.0)
     n = 40_000
     x, y = [], []
@@ -67,7 +67,7 @@ TICK = 0.05
 
 
 def flown_through(gusts: Gusts | DrydenGusts, wind_n: Vec3, airspeed: float, seconds: float) -> np.ndarray:  # type: ignore[type-arg]
-    air = GustyAir(gusts, wind_n, TICK, normals(3, Cause.GUSTS))
+    air = GustyAir(gusts, wind_n, TICK, normals(3, RandomStream.GUSTS))
     return np.array([air.update(10.0, airspeed) for _ in range(round(seconds / TICK))])
 
 

@@ -27,7 +27,7 @@ from sim_bridge.control.filters import ButterworthLowPass, LowPass
 from sim_bridge.control.mixing import Mixer
 from sim_bridge.control.position import THRUST_MIN, TILT_MAX, PositionLoop, Target
 from sim_bridge.control.rates import Axis
-from sim_bridge.control.reference import Pace, Reference, along, arrival_speed, towards
+from sim_bridge.control.reference import Reference, TrajectoryLimits, along, arrival_speed, towards
 from sim_bridge.rotors import torque_per_newton
 from sim_bridge.sensors import Estimate
 
@@ -254,7 +254,7 @@ def test_filters_pass_what_is_slow_and_halve_power_at_the_cutoff() -> None:
 
 
 def test_a_reference_arrives_at_its_place_within_its_limits() -> None:
-    pace, step = Pace(), 0.008
+    pace, step = TrajectoryLimits(), 0.008
     reference = Reference((0.0, 0.0, 0.0), (1.0, -2.0, 0.5))
     speeds, accelerations, jerks = [], [], []
     for _ in range(3000):
@@ -272,13 +272,13 @@ def test_a_reference_arrives_at_its_place_within_its_limits() -> None:
 def test_a_reference_told_to_stop_stops() -> None:
     reference = Reference((0.0, 0.0, -5.0), (8.0, 0.0, -2.0))
     for _ in range(1000):
-        reference = along(reference, (0.0, 0.0, 0.0), Pace(), 0.008)
+        reference = along(reference, (0.0, 0.0, 0.0), TrajectoryLimits(), 0.008)
     assert reference.v_n == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
     assert 8.0**2 / 2 / 3.0 < reference.p_n[0] < 8.0**2 / 2 / 3.0 + 8.0
 
 
 def test_arrival_speed_grows_with_the_distance() -> None:
-    speeds = [arrival_speed(distance, 5.0, Pace()) for distance in (0.0, 0.1, 1.0, 5.0, 50.0)]
+    speeds = [arrival_speed(distance, 5.0, TrajectoryLimits()) for distance in (0.0, 0.1, 1.0, 5.0, 50.0)]
     assert speeds[0] == 0.0
     assert speeds == sorted(speeds)
     assert speeds[-1] == 5.0

@@ -23,7 +23,7 @@ from companion.world.events import (
     When,
 )
 from sim_bridge.link_model import LinkWay
-from sim_bridge.noise import Cause, normals
+from sim_bridge.noise import RandomStream, normals
 from sim_bridge.plant import Plant
 from sim_bridge.sensors import Sensors
 from tests.support.plant_client import ACCEPTED, Client
@@ -40,7 +40,7 @@ def hovering(*events: Event, vehicle: str = "x500", **world: Any) -> Client:
 
 
 def estimates(errors: Errors, seconds: float, step: float = 0.02) -> list[Any]:
-    sensors = Sensors(errors, step, normals(5, Cause.ESTIMATE))
+    sensors = Sensors(errors, step, normals(5, RandomStream.ESTIMATE))
     plant = Plant(load_vehicle("x500"), World(), 250)
     truth = plant.truth._replace(q_nb=quaternion_from_euler(0.4, -0.2, 0.3), w_b=(0.1, 0.2, 0.3))
     return [sensors.observe(truth._replace(t_boot=i * step)) for i in range(round(seconds / step))]
@@ -49,7 +49,7 @@ def estimates(errors: Errors, seconds: float, step: float = 0.02) -> list[Any]:
 def test_a_tilt_error_may_stand_still_in_the_world() -> None:
     """About north alone: the nose turns, what the error does to the thrust axis does not."""
     errors = Errors(attitude=Noise(wander=(0.02, 0.0, 0.0), wander_time=1e9), attitude_in_world=True)
-    sensors = Sensors(errors, 0.02, normals(5, Cause.ESTIMATE))
+    sensors = Sensors(errors, 0.02, normals(5, RandomStream.ESTIMATE))
     truth, axes = Plant(load_vehicle("x500"), World(), 250).truth, []
     for heading in (0.0, 1.0, 2.0):
         q_nb = quaternion_from_euler(heading, 0.0, 0.0)
@@ -79,7 +79,7 @@ RECORDED = (
 def test_the_noisy_world_wanders_in_the_bands_that_were_recorded() -> None:
     """Within a factor of 1.6 in every band and 1.4 of every axis; one band of 58 s has a chance of its own."""
     step = 0.02
-    sensors = Sensors(load_world("sih_noisy").estimate, step, normals(5, Cause.ESTIMATE))
+    sensors = Sensors(load_world("sih_noisy").estimate, step, normals(5, RandomStream.ESTIMATE))
     truth = Plant(load_vehicle("sih"), World(), 250).truth
     p = np.array([sensors.observe(truth).p_n for _ in range(round(1000.0 / step))]) - np.array(truth.p_n)
     window = np.hanning(len(p))[:, None]
@@ -130,7 +130,7 @@ def test_a_smooth_wander_has_the_size_told_and_no_corners() -> None:
 
 def test_a_world_without_errors_shows_the_truth() -> None:
     plant = Plant(load_vehicle("x500"), World(), 250)
-    estimate = Sensors(Errors(), 0.004, normals(1, Cause.ESTIMATE)).observe(plant.truth)
+    estimate = Sensors(Errors(), 0.004, normals(1, RandomStream.ESTIMATE)).observe(plant.truth)
     assert (estimate.p_n, estimate.v_n, estimate.q_nb, estimate.w_b) == plant.truth[1:3] + plant.truth[4:6]
 
 
@@ -139,7 +139,7 @@ def test_a_world_without_errors_shows_the_truth() -> None:
 
 def sent_and_heard(way: Way, n: int = 4_000) -> list[tuple[float, int]]:
     """(s on the way, number) of datagrams sent every 4 ms, in the order they arrive."""
-    link_way = LinkWay(way, 7, Cause.DOWN)
+    link_way = LinkWay(way, 7, RandomStream.DOWN)
     heard = []
     for i in range(n + 500):
         if i < n:

@@ -11,7 +11,7 @@ from sim_bridge.autopilot.commander.contacts import Contacts
 from sim_bridge.autopilot.commander.fence_watch import FenceWatch
 from sim_bridge.autopilot.commander.health_report import Health, HealthReport, Said
 from sim_bridge.autopilot.commander.tilt_watch import TiltWatch
-from sim_bridge.autopilot.flight_modes.manual_control import Sticks
+from sim_bridge.autopilot.flight_modes.manual_control import ManualControl
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.sensors import Estimate
 
@@ -26,7 +26,7 @@ class HealthAndArmingChecks:
     """Keeps the commander's failsafe flags up to date, and tells the health report."""
 
     def __init__(
-        self, parameters: Parameters, commander: Commander, battery: Battery, fence: FenceWatch, sticks: Sticks
+        self, parameters: Parameters, commander: Commander, battery: Battery, fence: FenceWatch, sticks: ManualControl
     ) -> None:
         self._parameters, self._commander = parameters, commander
         self._battery, self._fence, self._sticks = battery, fence, sticks

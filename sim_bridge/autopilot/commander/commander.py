@@ -36,7 +36,7 @@ MANUAL = {
     Mode.MANUAL, Mode.ALTITUDE, Mode.POSITION, Mode.POSITION_SLOW, Mode.ACRO, Mode.STABILIZED, Mode.ALTITUDE_CRUISE,
 }  # fmt: skip
 """Modes that need somebody at the sticks."""
-NOT_THERE = {Mode.FOLLOW, Mode.GUIDED_COURSE, Mode.READY, Mode.UNKNOWN}
+UNSUPPORTED_MODES = {Mode.FOLLOW, Mode.GUIDED_COURSE, Mode.READY, Mode.UNKNOWN}
 """Modes that this vehicle does not fly."""
 ENDING = {Mode.LAND, Mode.RETURN, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION, Mode.ORBIT}
 """Modes in which nobody arms, and after which, once disarmed, the mode before them is back."""
@@ -101,7 +101,7 @@ class Commander:
             return False
         if mode is Mode.OFFBOARD and t - self.setpoint_at > self._parameters["COM_OF_LOSS_T"]:
             return False
-        return self._has_what_it_takes(mode, t)
+        return self._mode_requirements_met(mode, t)
 
     def can_arm(self, t: float) -> bool:
         """Whether arming would be accepted."""
@@ -141,7 +141,7 @@ class Commander:
         if arm == self.armed:
             return MavResult.ACCEPTED
         if arm:
-            if not force and not self._may_arm(t):
+            if not force and not self._arming_is_accepted(t):
                 return MavResult.TEMPORARILY_REJECTED
             self.armed, self.armed_at, self.has_flown = True, t, not self.landed
             self.failsafe_flags.offboard_control_signal_lost = self.mode is Mode.OFFBOARD and not self.can_run(
@@ -160,7 +160,7 @@ class Commander:
         if not self.armed or self.mode in MANUAL or self.mode in (Mode.ORBIT, Mode.TERMINATION):
             return
         if self._failsafe.is_acting:
-            self._look(t, rc_sticks_takeover_request=True)
+            self._update_failsafe(t, rc_sticks_takeover_request=True)
         elif self.can_run(Mode.POSITION, t):
             self.say(MavSeverity.INFO, "Pilot took over using sticks\t")
             self.request_mode(Mode.POSITION, t)
@@ -195,7 +195,7 @@ class Commander:
         """Look at the clock and at the facts: what is lost or back, automatic disarming."""
         self._watch_setpoints(t)
         self._watch_sticks()
-        self._look(t)
+        self._update_failsafe(t)
         if self.armed and self.landed:
             at_the_end = self.user_intended_mode is Mode.MISSION and self.failsafe_flags.mission_finished
             wait = 0.0 if at_the_end else self._parameters["COM_DISARM_LAND"]
@@ -204,13 +204,13 @@ class Commander:
             elif not self.has_flown and t - self.armed_at >= self._parameters["COM_DISARM_PRFLT"] > 0.0:
                 self._disarm("auto preflight disarming")
 
-    def _look(self, t: float, rc_sticks_takeover_request: bool = False) -> None:
+    def _update_failsafe(self, t: float, rc_sticks_takeover_request: bool = False) -> None:
         """Let the failsafe decide."""
         flags, parameters = self.failsafe_flags, self._parameters
         self._at_arming.update(t, self.armed, flags)
 
         def can_run(mode: Mode) -> bool:
-            return self._has_what_it_takes(mode, t) and not (
+            return self._mode_requirements_met(mode, t) and not (
                 mode is Mode.OFFBOARD and flags.offboard_control_signal_lost
             )
 
@@ -261,13 +261,13 @@ class Commander:
             self._requested = True
             self._change_user_intended_mode(Mode.HOLD)
 
-    def _has_what_it_takes(self, mode: Mode, t: float) -> bool:
+    def _mode_requirements_met(self, mode: Mode, t: float) -> bool:
         """Whether a mode can run, sticks and setpoints apart."""
-        if mode in NOT_THERE or not self.is_ready(t):
+        if mode in UNSUPPORTED_MODES or not self.is_ready(t):
             return False
         return mode is not Mode.MISSION or not self.failsafe_flags.auto_mission_missing
 
-    def _may_arm(self, t: float) -> bool:
+    def _arming_is_accepted(self, t: float) -> bool:
         """Whether arming is accepted; if not, why not is said."""
         if self.mode in MANUAL and not self.failsafe_flags.manual_control_signal_lost:
             climbs = self.mode in (Mode.POSITION, Mode.POSITION_SLOW, Mode.ALTITUDE, Mode.ALTITUDE_CRUISE)

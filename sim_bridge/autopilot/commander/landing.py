@@ -10,7 +10,7 @@ LOW_TIME = 0.7
 """s of standing with a low throttle until the vehicle counts as landed."""
 
 
-class LandingDetector:
+class LandDetector:
     """``landed``: the verdict. ``touching``: the ground has been felt for long enough to close the throttle."""
 
     def __init__(self, landed: bool) -> None:

@@ -121,7 +121,7 @@ def _announced(mode: Mode, text: str, autopilot: Autopilot) -> MavResult:
 
 
 def _orbit(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
-    radius, speed, nose, _, latitude, longitude, altitude = command.parameters
+    radius, speed, yaw_behaviour, _, latitude, longitude, altitude = command.parameters
     result = autopilot.request_mode(Mode.ORBIT, aloud=False)
     if result is not MavResult.ACCEPTED:
         autopilot.commander.say(MavSeverity.CRITICAL, "Orbit command rejected")
@@ -132,7 +132,7 @@ def _orbit(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
         down = autopilot.home.altitude - altitude if math.isfinite(altitude) else now.p_n[2]
         centre = (*autopilot.projection.project(latitude, longitude), down)
     most = autopilot.parameters["MC_ORBIT_RAD_MAX"]
-    orbit = ordered(guidance.orbit, (radius, speed, nose), centre, now, most)
+    orbit = ordered(guidance.orbit, (radius, speed, yaw_behaviour), centre, now, most)
     if orbit is None:
         autopilot.commander.say(MavSeverity.CRITICAL, "Orbit radius limit exceeded\t")
     else:

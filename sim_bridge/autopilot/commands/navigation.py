@@ -98,7 +98,7 @@ def _change_speed(command: Command, autopilot: Autopilot, wire: Wire) -> MavResu
     return MavResult.ACCEPTED
 
 
-def _look(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
+def _update_failsafe(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     """A region of interest: a place, or none. It counts while a mission is flown."""
     *_, latitude, longitude, altitude = command.parameters
     if command.id == MAV_CMD_DO_SET_ROI_LOCATION:
@@ -153,5 +153,5 @@ HANDLERS: dict[int, Handler] = {
     MAV_CMD_DO_REPOSITION: _reposition,
     MAV_CMD_MISSION_START: _start_mission,
     MAV_CMD_DO_SET_MISSION_CURRENT: _set_mission_current,
-    **dict.fromkeys(REGIONS_OF_INTEREST, _look),
+    **dict.fromkeys(REGIONS_OF_INTEREST, _update_failsafe),
 }

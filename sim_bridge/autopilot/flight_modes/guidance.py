@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from companion.frames import Vec3, euler_from_rotation, rotation_matrix
 from companion.mavlink.modes import Mode
 from companion.vehicle import GRAVITY
-from sim_bridge.autopilot.flight_modes.heading import Nose
+from sim_bridge.autopilot.flight_modes.heading import HeadingSmoothing
 from sim_bridge.autopilot.flight_modes.orbit import Orbit
 from sim_bridge.autopilot.missions.flight import Leg, MissionFlight
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.control.position import Axes, Target
-from sim_bridge.control.reference import Pace, Reference, along, towards
+from sim_bridge.control.reference import Reference, TrajectoryLimits, along, towards
 from sim_bridge.sensors import Estimate
 
 HEIGHT_REACHED = 0.8  # m, NAV_MC_ALT_RAD
@@ -32,7 +32,7 @@ CLOSED_OF_HOVER = 0.25
 """Throttle over hover throttle once the ground is felt in a landing, until it counts as landed."""
 DOWN_AT_ONCE = frozenset({Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND})
 """Modes that land where they begin; there is no target to land precisely on."""
-PACE = Pace()
+LIMITS = TrajectoryLimits()
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class Guidance:
         self.takeoff = TakeOff()
         self._mode = Mode.HOLD
         self._reference = Reference(home_n, (0.0, 0.0, 0.0))
-        self._nose = Nose(parameters)
+        self._heading_smoothing = HeadingSmoothing(parameters)
         self._heading: float | None = None  # what the nose is to point at; None: where it goes
         self._place: Vec3 | None = None  # where the reference is led; None: to a stop
         self._opened_at: float | None = None
@@ -101,7 +101,7 @@ class Guidance:
         if goes_on:
             return
         self._reference = Reference(now.p_n, now.v_n)
-        self._nose.point(euler_from_rotation(rotation_matrix(now.q_nb))[0])
+        self._heading_smoothing.point(euler_from_rotation(rotation_matrix(now.q_nb))[0])
         self._heading = None
         self._place = None
         if not takes_off_still:
@@ -136,7 +136,7 @@ class Guidance:
         if self._place is None:
             self._place, self._heading = self._reference.p_n, heading
         self._reference = Reference(now.p_n, now.v_n)
-        self._nose.point(heading)
+        self._heading_smoothing.point(heading)
 
     @property
     def is_landing(self) -> bool:
@@ -186,17 +186,17 @@ class Guidance:
         if self._mode is Mode.RETURN:
             self._next_leg(now)
         if self._mode is Mode.ORBIT and self.orbit is not None:
-            self._reference = self.orbit.moved(self._reference, self._pace, step)
+            self._reference = self.orbit.moved(self._reference, self._trajectory_limits, step)
             return self._target(self._reference.p_n)
-        pace = self._pace
+        limits = self._trajectory_limits
         if self.is_taking_off:
-            pace = pace._replace(climb=self._parameters["MPC_TKO_SPEED"])
-        self._reference = self._led(pace, step)
+            limits = limits._replace(climb=self._parameters["MPC_TKO_SPEED"])
+        self._reference = self._advanced(limits, step)
         return self._target(self._reference.p_n)
 
     def _target(self, position: Axes) -> Target:
         moves = self._reference
-        return Target(position, moves.v_n, self._nose.heading, moves.a_n, self._nose.rate)
+        return Target(position, moves.v_n, self._heading_smoothing.heading, moves.a_n, self._heading_smoothing.rate)
 
     def _follow(self, leg: Leg) -> None:
         """Of a mission: go on with what it says."""
@@ -207,20 +207,20 @@ class Guidance:
         """The nose a little nearer to where it is to point, or to where the vehicle goes if that is far enough."""
         wanted = self._heading
         if self._mode is Mode.ORBIT and self.orbit is not None:
-            wanted = self.orbit.heading(now, self._nose.heading)
+            wanted = self.orbit.heading(now, self._heading_smoothing.heading)
         if wanted is None and self._place is not None:
             north, east = self._place[0] - now.p_n[0], self._place[1] - now.p_n[1]
             if math.hypot(north, east) > self._parameters["NAV_ACC_RAD"]:
                 wanted = math.atan2(east, north)
-        if wanted is not None or self._nose.rate != 0.0:
-            self._nose.turn(self._nose.heading if wanted is None else wanted, step)
+        if wanted is not None or self._heading_smoothing.rate != 0.0:
+            self._heading_smoothing.turn(self._heading_smoothing.heading if wanted is None else wanted, step)
 
     @property
-    def _pace(self) -> Pace:
+    def _trajectory_limits(self) -> TrajectoryLimits:
         """The limits the parameters set, with the cruise speed somebody has asked for."""
         parameters = self._parameters
         cruise = self._speed_there or self.cruise_speed or parameters["MPC_XY_CRUISE"]
-        return Pace(
+        return TrajectoryLimits(
             max(0.1, min(cruise, parameters["MPC_XY_VEL_MAX"])),
             max(0.1, parameters["MPC_Z_V_AUTO_UP"]),
             max(0.1, parameters["MPC_Z_V_AUTO_DN"]),
@@ -229,11 +229,11 @@ class Guidance:
             max(0.1, parameters["MPC_ACC_UP_MAX"]),
         )
 
-    def _led(self, pace: Pace, step: float) -> Reference:
+    def _advanced(self, limits: TrajectoryLimits, step: float) -> Reference:
         """The reference one step nearer to its place, or to a stop."""
         if self._place is None:
-            return along(self._reference, (0.0, 0.0, 0.0), pace, step)
-        return towards(self._reference, self._place, pace, step)
+            return along(self._reference, (0.0, 0.0, 0.0), limits, step)
+        return towards(self._reference, self._place, limits, step)
 
     def _open_throttle(self, t: float) -> Throttle:
         """Idle for the spool-up time, then open the throttle until the vehicle leaves the ground."""
@@ -247,9 +247,9 @@ class Guidance:
         height = self.home_n[2] - now.p_n[2]
         low, high = SLOWS_BETWEEN
         share = max(0.0, min(1.0, (height - low) / (high - low)))
-        speed = self._parameters["MPC_LAND_CRWL"] if height < CRAWL_BELOW else slow + share * (PACE.sink - slow)
-        (north, east, _), (vn, ve, _), (an, ae, _) = self._led(PACE, step)
-        _, _, down = zip(*along(self._reference, (0.0, 0.0, speed), PACE, step), strict=True)
+        speed = self._parameters["MPC_LAND_CRWL"] if height < CRAWL_BELOW else slow + share * (LIMITS.sink - slow)
+        (north, east, _), (vn, ve, _), (an, ae, _) = self._advanced(LIMITS, step)
+        _, _, down = zip(*along(self._reference, (0.0, 0.0, speed), LIMITS, step), strict=True)
         return Reference((north, east, down[0]), (vn, ve, down[1]), (an, ae, down[2]))
 
     def _next_leg(self, now: Estimate) -> None:

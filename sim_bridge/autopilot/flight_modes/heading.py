@@ -7,7 +7,7 @@ import math
 from sim_bridge.autopilot.parameters import Parameters
 
 
-class Nose:
+class HeadingSmoothing:
     """``heading`` (rad, clockwise from north) and its ``rate`` (rad/s)."""
 
     def __init__(self, parameters: Parameters) -> None:

@@ -7,11 +7,11 @@ import math
 from companion.frames import Quaternion, euler_from_rotation, multiply, rotation_matrix
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.flight_modes.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
-from sim_bridge.autopilot.flight_modes.manual_control import Deflection
-from sim_bridge.autopilot.flight_modes.setpoints import AttitudeDemand, RateDemand
+from sim_bridge.autopilot.flight_modes.manual_control import ManualControlSetpoint
+from sim_bridge.autopilot.flight_modes.setpoints import AttitudeSetpoint, RatesSetpoint
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.control.position import Target
-from sim_bridge.control.reference import Pace, Reference, along
+from sim_bridge.control.reference import Reference, TrajectoryLimits, along
 from sim_bridge.sensors import Estimate
 
 BY_POSITION = frozenset({Mode.POSITION, Mode.POSITION_SLOW})
@@ -25,7 +25,7 @@ TAKES_OFF = 0.3
 """Deflection of the throttle above which a vehicle on the ground takes off."""
 
 
-class StickFlight:
+class ManualFlight:
     """The manual modes of one vehicle. ``hover``: the normalised thrust that carries it; ``gravity``: m/s^2."""
 
     def __init__(self, parameters: Parameters, hover: float, gravity: float) -> None:
@@ -45,7 +45,7 @@ class StickFlight:
         self._reference = Reference(now.p_n, now.v_n)
 
     def aim(
-        self, now: Estimate, sticks: Deflection, height: float, armed_for: float, landed: bool, stands: bool,
+        self, now: Estimate, sticks: ManualControlSetpoint, height: float, armed_for: float, landed: bool, stands: bool,
         touching: bool, step: float,
     ) -> Target | Throttle:  # fmt: skip
         """Of position and altitude: what the position loop is to fly for the next ``step`` s.
@@ -74,13 +74,15 @@ class StickFlight:
         self.target = self._place(now, north, east, self._vertical(climb, height), rate, step)
         return self.target
 
-    def demand(self, now: Estimate, sticks: Deflection, landed: bool, step: float) -> AttitudeDemand | RateDemand:
+    def setpoint(
+        self, now: Estimate, sticks: ManualControlSetpoint, landed: bool, step: float
+    ) -> AttitudeSetpoint | RatesSetpoint:
         """Of stabilized, manual and acro: what the inner loops are to fly for the next ``step`` s."""
         limits = self._parameters
         if self._mode is Mode.ACRO:
             roll, pitch, yaw = (math.radians(limits[f"MC_ACRO_{axis}_MAX"]) for axis in "RPY")
             rates = (sticks.roll * roll, -sticks.pitch * pitch, sticks.yaw * yaw)
-            return RateDemand(rates, 0.5 * (sticks.throttle + 1.0))
+            return RatesSetpoint(rates, 0.5 * (sticks.throttle + 1.0))
         if landed:
             self._heading = _heading_of(now)
         rate = self._turned(sticks, step)
@@ -90,9 +92,9 @@ class StickFlight:
         if tilt > most:
             about_x, about_y, tilt = about_x * most / tilt, about_y * most / tilt, most
         turn: Quaternion = (math.cos(0.5 * self._heading), 0.0, 0.0, math.sin(0.5 * self._heading))
-        lean = 0.5 if tilt == 0.0 else math.sin(0.5 * tilt) / tilt
-        return AttitudeDemand(
-            multiply(turn, (math.cos(0.5 * tilt), about_x * lean, about_y * lean, 0.0)),
+        sine_over_angle = 0.5 if tilt == 0.0 else math.sin(0.5 * tilt) / tilt
+        return AttitudeSetpoint(
+            multiply(turn, (math.cos(0.5 * tilt), about_x * sine_over_angle, about_y * sine_over_angle, 0.0)),
             self._throttle(sticks.throttle), rate,
         )  # fmt: skip
 
@@ -118,7 +120,7 @@ class StickFlight:
             vx, vy, _ = self._reference.v_n
             gap = math.hypot(velocity[0] - vx, velocity[1] - vy)
             hardest = min(hardest, max(0.05, 2.0 * limits["MPC_ACC_HOR"] / most * gap))
-        level = Pace(acceleration=hardest, jerk=limits["MPC_JERK_MAX"])
+        level = TrajectoryLimits(acceleration=hardest, jerk=limits["MPC_JERK_MAX"])
         (x, y, _), (vx, vy, _), (ax, ay, _) = along(self._reference, velocity, level, step)
         upright = level._replace(acceleration=limits["MPC_ACC_UP_MAX" if down < 0.0 else "MPC_ACC_DOWN_MAX"])
         (_, _, z), (_, _, vz), (_, _, az) = along(self._reference, velocity, upright, step)
@@ -131,12 +133,12 @@ class StickFlight:
         self._reference = Reference((x, y, z), (vx, vy, vz), (ax, ay, az))
         height = z if rests_in_height else None
         if not level_is_flown:
-            lean = self._gravity * math.tan(math.radians(limits["MPC_MAN_TILT_MAX"]))
-            return Target((None, None, height), (None, None, vz), self._heading, (north * lean, east * lean, az), rate)
+            most = self._gravity * math.tan(math.radians(limits["MPC_MAN_TILT_MAX"]))
+            return Target((None, None, height), (None, None, vz), self._heading, (north * most, east * most, az), rate)
         place = (x, y, height) if rests else (None, None, height)
         return Target(place, (vx, vy, vz), self._heading, (ax, ay, az), rate)
 
-    def _turned(self, sticks: Deflection, step: float) -> float:
+    def _turned(self, sticks: ManualControlSetpoint, step: float) -> float:
         """The rate (rad/s) the heading is turned at by the yaw stick; the heading goes with it."""
         rate = self._shaped(sticks.yaw) * math.radians(self._parameters["MPC_MAN_Y_MAX"])
         self._heading = math.remainder(self._heading + rate * step, math.tau)

@@ -26,7 +26,7 @@ CENTRE = 500
 """MANUAL_CONTROL's throttle with the stick in the middle."""
 
 
-class Deflection(NamedTuple):
+class ManualControlSetpoint(NamedTuple):
     """Where the sticks are, -1..1."""
 
     roll: float
@@ -35,7 +35,7 @@ class Deflection(NamedTuple):
     throttle: float
 
 
-CENTRED = Deflection(0.0, 0.0, 0.0, 0.0)
+CENTRED = ManualControlSetpoint(0.0, 0.0, 0.0, 0.0)
 
 
 class _Speed:
@@ -64,7 +64,7 @@ class _Speed:
         return abs(self._value) > most and self._same >= SAME_WAY
 
 
-class Sticks:
+class ManualControl:
     """``position``: where they are. The source that speaks first is listened to until it falls silent."""
 
     def __init__(self, parameters: Parameters) -> None:
@@ -79,7 +79,7 @@ class Sticks:
         """Whether nobody holds them at ``t`` (s)."""
         return t - self._at > 2.0 * self._parameters["COM_RC_LOSS_T"] + LOSS_NOTICED_AFTER
 
-    def take(self, position: Deflection, source: object, t: float) -> None:
+    def take(self, position: ManualControlSetpoint, source: object, t: float) -> None:
         """A sample."""
         if int(self._parameters["COM_RC_IN_MODE"]) not in BY_MAVLINK:
             return
@@ -102,14 +102,14 @@ class Sticks:
         return moved
 
 
-def deflection(frame: Frame, system: int) -> Deflection | None:
+def deflection(frame: Frame, system: int) -> ManualControlSetpoint | None:
     """What a MANUAL_CONTROL says; None: it is for another. A number out of range counts as centred."""
     said = frame.format.named(frame.values)
     pitch, roll, throttle, yaw, target = (said[name] for name in ("x", "y", "z", "r", "target"))
     if target not in (0, system):
         return None
     up = throttle / CENTRE - 1.0 if 0 <= throttle <= 2 * CENTRE else 0.0
-    return Deflection(_share(roll), _share(pitch), _share(yaw), up)
+    return ManualControlSetpoint(_share(roll), _share(pitch), _share(yaw), up)
 
 
 def _share(value: Value) -> float:

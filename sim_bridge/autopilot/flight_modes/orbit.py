@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from companion.frames import Vec3
-from sim_bridge.control.reference import Pace, Reference, along
+from sim_bridge.control.reference import Reference, TrajectoryLimits, along
 from sim_bridge.sensors import Estimate
 
 RADIUS_MIN = 1.0
@@ -20,15 +20,15 @@ TO_THE_CENTRE, AS_BEGUN, ANYHOW, ALONG = 0, 1, 2, 3
 class Orbit(NamedTuple):
     """Round ``centre`` (m, NED; its height is flown) at ``radius`` (m), with ``speed`` (m/s), clockwise if positive.
 
-    ``nose``: where it points, an ORBIT_YAW_BEHAVIOUR.
+    ``yaw_behaviour``: where it points, an ORBIT_YAW_BEHAVIOUR.
     """
 
     centre: Vec3
     radius: float
     speed: float
-    nose: int = TO_THE_CENTRE
+    yaw_behaviour: int = TO_THE_CENTRE
 
-    def moved(self, reference: Reference, pace: Pace, step: float) -> Reference:
+    def moved(self, reference: Reference, pace: TrajectoryLimits, step: float) -> Reference:
         """The reference one ``step`` (s) further round."""
         north, east, down = reference.p_n
         n, e = north - self.centre[0], east - self.centre[1]
@@ -48,9 +48,9 @@ class Orbit(NamedTuple):
     def heading(self, now: Estimate, held: float) -> float:
         """Where the nose is to point (rad). ``held``: where it points."""
         north, east = self.centre[0] - now.p_n[0], self.centre[1] - now.p_n[1]
-        if self.nose == TO_THE_CENTRE and math.hypot(north, east) > 0.1:
+        if self.yaw_behaviour == TO_THE_CENTRE and math.hypot(north, east) > 0.1:
             return math.atan2(east, north)
-        if self.nose == ALONG:
+        if self.yaw_behaviour == ALONG:
             return math.atan2(now.v_n[1], now.v_n[0])
         return held
 
@@ -62,15 +62,15 @@ def ordered(
 
     ``centre``: None where not given. ``most``: the largest radius. None: the radius is out of bounds.
     """
-    radius, speed, nose = parameters
+    radius, speed, yaw_behaviour = parameters
     clockwise = radius > 0.0 if math.isfinite(radius) else before is None or before.speed > 0.0
     size = abs(radius) if math.isfinite(radius) else RADIUS_MIN if before is None else before.radius
     fast = speed if math.isfinite(speed) else 1.0 if before is None else abs(before.speed)
     if not RADIUS_MIN <= size <= most:
         return None
-    behaviour = TO_THE_CENTRE if before is None else before.nose
-    if math.isfinite(nose) and round(nose) != UNCHANGED:
-        behaviour = round(nose)
+    behaviour = TO_THE_CENTRE if before is None else before.yaw_behaviour
+    if math.isfinite(yaw_behaviour) and round(yaw_behaviour) != UNCHANGED:
+        behaviour = round(yaw_behaviour)
     where = centre or (now.p_n if before is None else before.centre)
     bound = math.sqrt(2.0 * size)  # the centripetal acceleration PX4 allows itself: 2 m/s^2
     fast = max(-bound, min(bound, fast))

@@ -29,7 +29,7 @@ FARTHEST = 1e6
 
 
 @dataclass(frozen=True, slots=True)
-class PositionDemand:
+class TrajectorySetpoint:
     """Place (m), velocity (m/s), acceleration (m/s^2) in NED, heading (rad) and its rate (rad/s); None: not asked."""
 
     position: Axes
@@ -58,7 +58,7 @@ class PositionDemand:
         return (z is not None and z > down) or (z is None and vz is not None and vz > 0.0)
 
 
-def local_target(frame: Frame, q_nb: Quaternion) -> PositionDemand | str:
+def local_target(frame: Frame, q_nb: Quaternion) -> TrajectorySetpoint | str:
     """What a SET_POSITION_TARGET_LOCAL_NED asks a vehicle of attitude ``q_nb`` for, or the text it is refused with."""
     said = frame.format.named(frame.values)
     mask, kind = said["type_mask"], said["coordinate_frame"]
@@ -75,12 +75,12 @@ def local_target(frame: Frame, q_nb: Quaternion) -> PositionDemand | str:
         return "SET_POSITION_TARGET_LOCAL_NED invalid\t"
     if acceleration != NOTHING and mask & FORCE:
         return "SET_POSITION_TARGET_LOCAL_NED force not supported\t"
-    return PositionDemand(position, velocity, acceleration, *_headings(said, mask))
+    return TrajectorySetpoint(position, velocity, acceleration, *_headings(said, mask))
 
 
 def global_target(
     frame: Frame, place_of: Callable[[float, float, float, int], Vec3 | None]
-) -> PositionDemand | str | None:
+) -> TrajectorySetpoint | str | None:
     """The same of a SET_POSITION_TARGET_GLOBAL_INT; None: nothing, and nothing is said of it.
 
     ``place_of``: latitude, longitude (degrees), altitude (m) and frame to a place in NED; None: not known.
@@ -100,7 +100,7 @@ def global_target(
         return None
     if acceleration != NOTHING and mask & FORCE:
         return "SET_POSITION_TARGET_GLOBAL_INT force not supported\t"
-    return PositionDemand(position, velocity, acceleration, *_headings(said, mask))
+    return TrajectorySetpoint(position, velocity, acceleration, *_headings(said, mask))
 
 
 def _axes(said: Mapping[str, Value], names: str, ignored: int) -> Axes:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from companion.frames import Quaternion
 from companion.mavlink.dialect import Value, message
-from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
+from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
 from sim_bridge.control.rates import RatesWanted
 from sim_bridge.rotors import Four
 
@@ -40,20 +40,20 @@ RATE_MOST = 100.0
 THRUST_MOST = 10.0
 
 
-class MotorDemand(NamedTuple):
+class MotorSetpoint(NamedTuple):
     """Motor commands in the rotors' own units."""
 
     commands: Four
 
 
-class RateDemand(NamedTuple):
+class RatesSetpoint(NamedTuple):
     """Body rates (rad/s) and normalised thrust (up)."""
 
     rates: RatesWanted
     thrust: float
 
 
-class AttitudeDemand(NamedTuple):
+class AttitudeSetpoint(NamedTuple):
     """Attitude (body to world), normalised thrust (up), and the rate the heading turns at (rad/s)."""
 
     q_nb: Quaternion
@@ -61,10 +61,10 @@ class AttitudeDemand(NamedTuple):
     heading_rate: float
 
 
-Demand = MotorDemand | RateDemand | AttitudeDemand | PositionDemand
+Setpoint = MotorSetpoint | RatesSetpoint | AttitudeSetpoint | TrajectorySetpoint
 
 
-def attitude_target(values: tuple[Value, ...]) -> RateDemand | AttitudeDemand | None:
+def attitude_target(values: tuple[Value, ...]) -> RatesSetpoint | AttitudeSetpoint | None:
     """What a SET_ATTITUDE_TARGET asks for. None: nothing PX4 would act on."""
     mask = int(values[_MASK])
     if mask & USE_THRUST_BODY:
@@ -85,18 +85,18 @@ def attitude_target(values: tuple[Value, ...]) -> RateDemand | AttitudeDemand | 
         norm = math.sqrt(w * w + x * x + y * y + z * z)
         if not 0.5 < norm < 2.0:
             return None
-        return AttitudeDemand((w / norm, x / norm, y / norm, z / norm), thrust, r or 0.0)
+        return AttitudeSetpoint((w / norm, x / norm, y / norm, z / norm), thrust, r or 0.0)
     if mask & (IGNORE_ROLL_RATE | IGNORE_PITCH_RATE):
         return None
-    return RateDemand((p, q, r), thrust)
+    return RatesSetpoint((p, q, r), thrust)
 
 
-def actuator_controls(values: tuple[Value, ...]) -> MotorDemand | None:
+def actuator_controls(values: tuple[Value, ...]) -> MotorSetpoint | None:
     """What a SET_ACTUATOR_CONTROL_TARGET asks of direct motors: group 0, the first four controls. None: nothing."""
     a, b, c, d = values[_CONTROLS][:4]
     if values[_GROUP] != 0 or not all(map(math.isfinite, (a, b, c, d))):
         return None
-    return MotorDemand((a, b, c, d))
+    return MotorSetpoint((a, b, c, d))
 
 
 def _rate(value: float) -> float | None:

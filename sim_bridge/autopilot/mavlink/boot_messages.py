@@ -21,7 +21,7 @@ DO_GRIPPER, GRAB = 211, 1.0
 _COMMAND = message("COMMAND_LONG")
 
 
-class Greeting:
+class BootMessages:
     """On one link. ``tell``: a parameter; ``send``: a message."""
 
     def __init__(self, tell: Callable[[str], None], send: Callable[[Format, tuple[Value, ...]], None]) -> None:

@@ -20,7 +20,7 @@ from sim_bridge.autopilot.commander.commander import Text
 from sim_bridge.autopilot.commands import Command, execute, is_integer_max, place_given, set_mode, stray
 from sim_bridge.autopilot.flight_modes.manual_control import MANUAL_CONTROL, deflection
 from sim_bridge.autopilot.mavlink import file_link, parameter_link
-from sim_bridge.autopilot.mavlink.boot_messages import Greeting
+from sim_bridge.autopilot.mavlink.boot_messages import BootMessages
 from sim_bridge.autopilot.mavlink.file_link import FileLink
 from sim_bridge.autopilot.mavlink.parameter_link import ParameterLink
 from sim_bridge.autopilot.mavlink.setpoint_link import COMPONENT, SYSTEM, SetpointLink, is_for_us
@@ -71,7 +71,7 @@ class Link:
             autopilot.missions, autopilot.mission, SYSTEM, self.emit, autopilot.commander.texts.append
         )  # fmt: skip
         self._events = events.EventLink(autopilot.events, SYSTEM, self.emit)
-        self._greeting = Greeting(self._parameters.tell, self.emit) if boots else None
+        self._greeting = BootMessages(self._parameters.tell, self.emit) if boots else None
         self._builders = BUILDERS | {_LINK_NODE_STATUS.id: (_LINK_NODE_STATUS, self._link_node_status)}
         self._editions: dict[int, object] = {}
         self._texts = 0

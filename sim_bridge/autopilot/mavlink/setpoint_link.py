@@ -9,7 +9,7 @@ from companion.mavlink.dialect import Value
 from companion.mavlink_common import MavSeverity
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.flight_modes import position_setpoints
-from sim_bridge.autopilot.flight_modes.position_setpoints import PositionDemand
+from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
 from sim_bridge.autopilot.flight_modes.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
 
 SYSTEM, COMPONENT = 1, 1
@@ -30,9 +30,9 @@ class SetpointLink:
 
     def _attitude_target(self, frame: Frame) -> None:
         if _targets_us(frame):
-            demand = attitude_target(frame.values)
-            if demand is not None:
-                self._autopilot.offboard(demand)
+            setpoint = attitude_target(frame.values)
+            if setpoint is not None:
+                self._autopilot.offboard(setpoint)
 
     def _local_target(self, frame: Frame) -> None:
         if _targets_us(frame):
@@ -42,17 +42,17 @@ class SetpointLink:
         if _targets_us(frame):
             self._take_place(position_setpoints.global_target(frame, self._autopilot.home_position.place_of))
 
-    def _take_place(self, demand: PositionDemand | str | None) -> None:
-        if isinstance(demand, str):
-            self._autopilot.commander.say(MavSeverity.CRITICAL, demand)
-        elif demand is not None:
-            self._autopilot.offboard(demand)
+    def _take_place(self, setpoint: TrajectorySetpoint | str | None) -> None:
+        if isinstance(setpoint, str):
+            self._autopilot.commander.say(MavSeverity.CRITICAL, setpoint)
+        elif setpoint is not None:
+            self._autopilot.offboard(setpoint)
 
     def _actuators(self, frame: Frame) -> None:
         if _targets_us(frame):
-            demand = actuator_controls(frame.values)
-            if demand is not None:
-                self._autopilot.offboard(demand)
+            setpoint = actuator_controls(frame.values)
+            if setpoint is not None:
+                self._autopilot.offboard(setpoint)
 
 
 def is_for_us(system: Value, component: Value) -> bool:

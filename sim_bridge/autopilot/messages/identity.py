@@ -7,7 +7,7 @@ from typing import NamedTuple
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.flight_modes.setpoints import MotorDemand, RateDemand
+from sim_bridge.autopilot.flight_modes.setpoints import MotorSetpoint, RatesSetpoint
 from sim_bridge.autopilot.mavlink.files import GENERAL_METADATA, GENERAL_METADATA_URI
 from sim_bridge.autopilot.messages.parts import Values
 
@@ -32,7 +32,7 @@ def _base_mode(a: Autopilot) -> int:
     mode = a.commander.mode
     bits = CUSTOM | (ARMED if a.commander.armed else 0)
     if mode is Mode.OFFBOARD:
-        return bits | (0 if a.demand is None or isinstance(a.demand, RateDemand | MotorDemand) else STABILIZED)
+        return bits | (0 if a.setpoint is None or isinstance(a.setpoint, RatesSetpoint | MotorSetpoint) else STABILIZED)
     if mode is Mode.ACRO:
         return bits | MANUAL_INPUT
     if mode is Mode.ORBIT:
@@ -90,7 +90,7 @@ class Available(NamedTuple):
     name: str
 
 
-NOT_THERE = tuple(Available(4, sub, 0, 2, "(Mode not available)") for sub in range(11, 19))
+UNSUPPORTED_MODES = tuple(Available(4, sub, 0, 2, "(Mode not available)") for sub in range(11, 19))
 AVAILABLE = (
     Available(1, 0, 0, 1, "Manual"),
     Available(2, 0, 4, 0, ""),
@@ -112,7 +112,7 @@ AVAILABLE = (
     Available(4, 9, 0, 1, "Precision Landing"),
     Available(3, 1, 2, 1, ""),
     Available(4, 10, 0, 1, "VTOL Takeoff"),
-    *NOT_THERE,
+    *UNSUPPORTED_MODES,
 )
 """What AVAILABLE_MODES lists, in its order."""
 

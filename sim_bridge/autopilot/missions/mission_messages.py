@@ -41,7 +41,7 @@ class Progress(Protocol):
         """Whether the mission is being flown now."""
 
 
-class Voice:
+class MissionMessages:
     """Speaks of ``store`` and of the ``progress`` of its mission, by ``send``. ``kind``: MAV_MISSION_TYPE."""
 
     def __init__(self, store: Store, progress: Progress, send: Send) -> None:

@@ -15,7 +15,16 @@ from companion.mavlink_common import (
 )
 from sim_bridge.autopilot.commander.commander import Text
 from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, Item, checksum, of_a_fence, read
-from sim_bridge.autopilot.missions.mission_messages import ACK, COUNT, REQUEST, REQUEST_INT, Peer, Progress, Send, Voice
+from sim_bridge.autopilot.missions.mission_messages import (
+    ACK,
+    COUNT,
+    REQUEST,
+    REQUEST_INT,
+    MissionMessages,
+    Peer,
+    Progress,
+    Send,
+)
 from sim_bridge.autopilot.missions.store import ALL, MOST, Kind, Store
 
 GIVE_UP_US, AGAIN_US = 5_000_000, 250_000
@@ -46,7 +55,7 @@ class MissionLink:
         self, store: Store, progress: Progress, system: int, send: Send, say: Callable[[Text], None]
     ) -> None:  # fmt: skip
         self._store, self._progress, self._system = store, progress, system
-        self._voice, self._say = Voice(store, progress, send), say
+        self._messages, self._say = MissionMessages(store, progress, send), say
         self._state = State.IDLE
         self._kind = 0
         self._partner = (0, 0)
@@ -76,17 +85,17 @@ class MissionLink:
         told = (self._store.current, self._progress.finished)
         if told != self._told:
             self._told = told
-            self._voice.current()
+            self._messages.current()
         if self._progress.reached != self._reached:
             self._reached, self._reached_again = self._progress.reached, REACHED_AGAIN
             if self._reached >= 0:
-                self._voice.reached(self._reached)
+                self._messages.reached(self._reached)
         elif now_us >= self._tell_at_us:
             self._tell_at_us = now_us + TELL_US
-            self._voice.current()
+            self._messages.current()
             if self._reached >= 0 and self._reached_again > 0:
                 self._reached_again -= 1
-                self._voice.reached(self._reached)
+                self._messages.reached(self._reached)
         if self._state is State.IDLE:
             return
         if now_us - self._heard_us > GIVE_UP_US:
@@ -134,7 +143,7 @@ class MissionLink:
                 asked = len(items)
             if asked < len(items):
                 self._sent_us = self._now
-                self._voice.item(self._partner, self._kind, asked, items[asked], self._whole)
+                self._messages.item(self._partner, self._kind, asked, items[asked], self._whole)
             else:
                 self._state = State.IDLE
                 self._acknowledge(self._partner, MavMissionResult.ERROR)
@@ -276,14 +285,14 @@ class MissionLink:
     def _ask(self) -> None:
         """For the next item."""
         self._sent_us = self._now
-        self._voice.ask(self._partner, self._kind, self._expected, self._whole)
+        self._messages.ask(self._partner, self._kind, self._expected, self._whole)
 
     def _tell_count(self) -> None:
         self._sent_us = self._now
-        self._voice.count(self._partner, self._kind, self._count)
+        self._messages.count(self._partner, self._kind, self._count)
 
     def _acknowledge(self, to: Peer, answer: MavMissionResult, identity: int = 0) -> None:
-        self._voice.acknowledge(to, self._kind, answer, identity)
+        self._messages.acknowledge(to, self._kind, answer, identity)
 
     def _complain(self, text: str) -> None:
         self._say(Text(MavSeverity.CRITICAL, text))
