@@ -4,7 +4,10 @@ freeze      thrust scale and drag are not learned for FREEZE_TIME after anything
             command, a thrust at its bound, a vehicle that is restrained or stopped
 clamp       ||d - LPF(d)|| is clamped: a vehicle that is restrained is not taken for one in a storm, and does not leap
             away when it is released
-noise       the variances of the measurements are adapted to their innovations
+levels      how noisy the measurements are follows from their innovations; how much the vehicle's estimate wanders, and
+            how strong the gusts are, from what the filter finds of them (expectation maximisation of a stationary
+            process: its variance is the mean of estimate squared plus variance of the estimate)
+payload     a vertical disturbance beyond what air does is a change of the thrust scale: its process noise grows
 reset       after a jump of the vehicle's own estimate position, velocity and bias are reset, and their
             cross-covariances zeroed
 """
@@ -14,10 +17,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from companion.estimation.adaptation import NOISE_FIRST, adapt_levels, adapt_measurement_noise
 from companion.estimation.kalman import (
     DRAG,
-    POSITION_R_MIN,
+    GUST,
+    PER_AXIS,
     THRUST_SCALE,
+    THRUST_SCALE_Q,
     Belief,
     Innovation,
     initial_belief,
@@ -25,6 +31,7 @@ from companion.estimation.kalman import (
     reset_disturbance,
     reset_position_velocity,
 )
+from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.translation import acceleration
 from companion.frames import Matrix3, Vec3
 
@@ -50,18 +57,16 @@ THRUST_SCALE_STD = 0.2
 """Standard deviation of the thrust scale before a flight. Engineering choice: battery and payload of a usual day."""
 DRAG_STD = 0.7
 """1/s, of the drag. Flights on PX4's simulated quadrotor: found within 1 s from there."""
-MEASUREMENT_NOISE_TIME = 2.0
-"""s over which the squares of the innovations are averaged."""
-NOISE_MIN = (POSITION_R_MIN, 4e-3**2)
-"""m^2, m^2/s^2: variances of position and velocity, at least: PX4's own smooth estimate, quiet."""
-NOISE_MAX = (0.05**2, 0.2**2)
-"""m^2, m^2/s^2: at most. Engineering choice: the worst that is still flown."""
 JUMP_POSITION = 0.25
 """m of innovation from which on it may be a jump. Engineering choice: a tenth of what GPS glitches do."""
 JUMP_VELOCITY = 0.5
 """m/s of innovation from which on it may be a jump."""
 JUMP_SIGMAS = 10.0
 """Standard deviations of the innovation from which on it is one."""
+VERTICAL_DISTURBANCE_USUAL = 0.7
+"""m/s^2: three standard deviations of the vertical D + W; what is beyond is taken for a change of the thrust scale."""
+THRUST_SCALE_JUMP_TIME = 1.0
+"""s in which such a change is learned. Engineering choice: a battery or payload within 5 s to 5 %."""
 HOVER_SPEED_MAX = 1.0
 """m/s, below which a tilt at the beginning is taken for the wind's."""
 RESTRAINED_SPEED_MAX = 0.25
@@ -78,6 +83,10 @@ CONVERGENCE_TIME_MIN = 0.3
 """s of flight before anything is called converged."""
 
 
+STANDARD_GRAVITY = 9.80665
+"""m/s^2."""
+
+
 class Prior(NamedTuple):
     """What is known before the flight: value and standard deviation of the thrust scale and of the drag (1/s)."""
 
@@ -88,14 +97,14 @@ class Prior(NamedTuple):
 class EstimatorState(NamedTuple):
     """What is known at a stamp.
 
-    ``belief``: mean and covariance of the filter's state. ``noise``: variances of measured position (m^2) and velocity
-    (m^2/s^2). ``disturbance_lpf_n``: m/s^2, LPF(d). ``freeze_left``: s left without learning. ``flight_time``: s since
-    the first update. ``disturbance_saturated``: whether the clamp acts. ``unexplained_velocity_n``: m/s that a vehicle
-    that stands still should have come to by the forces on it.
+    ``belief``: mean and covariance of the filter's state. ``noise``: how noisy it is. ``disturbance_lpf_n``: m/s^2,
+    LPF(d). ``freeze_left``: s left without learning. ``flight_time``: s since the first update.
+    ``disturbance_saturated``: whether the clamp acts. ``unexplained_velocity_n``: m/s that a vehicle that stands still
+    should have come to by the forces on it.
     """
 
     belief: Belief
-    noise: tuple[float, float]
+    noise: NoiseLevels
     disturbance_lpf_n: Vec3
     freeze_left: float = 0.0
     flight_time: float = 0.0
@@ -133,14 +142,15 @@ class Measurement(NamedTuple):
     moving: bool = False
 
 
-def initial_estimator_state(p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: Prior) -> EstimatorState:
+def initial_estimator_state(
+    p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: Prior, noise: NoiseLevels = NOISE_FIRST
+) -> EstimatorState:
     """Before the first step. A vehicle that hovers leans into the wind, so that the lean says what the wind does."""
     disturbance_n: Vec3 = (0.0, 0.0, 0.0)
     if math.hypot(*v_n) < HOVER_SPEED_MAX and r_nb[8] > 0.5:
         disturbance_n = (gravity * r_nb[2] / r_nb[8], gravity * r_nb[5] / r_nb[8], 0.0)
-    return EstimatorState(
-        initial_belief(p_n, v_n, disturbance_n, prior.thrust_scale, prior.drag), NOISE_MIN, disturbance_n
-    )
+    belief = initial_belief(p_n, v_n, disturbance_n, prior.thrust_scale, prior.drag, noise)
+    return EstimatorState(belief, noise, disturbance_n)
 
 
 def predict_measurement(belief: Belief, measurement: Measurement, gravity: float) -> tuple[Vec3, Vec3]:
@@ -149,7 +159,7 @@ def predict_measurement(belief: Belief, measurement: Measurement, gravity: float
     k, h = belief.thrust_scale, measurement.dt
     half = 0.5 * h
     thrust_n = (k * fx, k * fy, k * fz)
-    ax, ay, az = acceleration(thrust_n, belief.v_n, gravity, belief.drag, belief.disturbance_n)
+    ax, ay, az = acceleration(thrust_n, belief.v_n, gravity, belief.drag, belief.apparent_disturbance_n)
     return (
         (px + h * (vx + half * ax), py + h * (vy + half * ay), pz + h * (vz + half * az)),
         (vx + h * ax, vy + h * ay, vz + h * az),
@@ -174,7 +184,7 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
     freeze_left = FREEZE_TIME if limited else max(0.0, known.freeze_left - dt)
     learning = freeze_left == 0.0
     belief, innovation = predict_and_update(
-        known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning
+        known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning, _thrust_scale_q(known)
     )
     flight_time = known.flight_time + dt
     unexplained_velocity_n = (
@@ -183,15 +193,20 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
     known = known._replace(unexplained_velocity_n=unexplained_velocity_n)
     if known.restrained:
         return known._replace(
-            belief=reset_disturbance(known.belief, p_n, v_n, known.disturbance_lpf_n),
+            belief=reset_disturbance(known.belief, p_n, v_n, known.disturbance_lpf_n, known.noise),
             freeze_left=FREEZE_TIME,
             flight_time=flight_time,
         )
     if jumped or _is_jump(innovation):
-        there = reset_position_velocity(known.belief, p_n, v_n)
+        there = reset_position_velocity(known.belief, p_n, v_n, known.noise)
         return known._replace(belief=there, freeze_left=FREEZE_TIME, flight_time=flight_time)
     belief, disturbance_lpf_n, disturbance_saturated = _limit(belief, known.disturbance_lpf_n, dt, flight_time)
-    noise = known.noise if disturbance_saturated or not learning else _adapted_noise(known.noise, innovation, dt)
+    noise = known.noise
+    if not disturbance_saturated:
+        # not frozen: commands that noise drives into their limits would keep it from being found
+        noise = adapt_measurement_noise(noise, innovation, dt)
+    if learning and not disturbance_saturated:
+        noise = adapt_levels(noise, belief, dt)
     return EstimatorState(
         belief,
         noise,
@@ -249,7 +264,8 @@ def _limit(belief: Belief, disturbance_lpf_n: Vec3, dt: float, flight_time: floa
     disturbance_saturated = off > radius
     if disturbance_saturated:
         shrink = radius / off
-        x[2], x[6], x[10] = sx + ox * shrink, sy + oy * shrink, sz + oz * shrink
+        for axis, beyond in enumerate((ox, oy, oz)):
+            x[PER_AXIS * axis + GUST] -= beyond * (1.0 - shrink)
     else:
         k = min(1.0, dt / (INITIAL_DISTURBANCE_LPF_TIME if early else DISTURBANCE_LPF_TIME))
         disturbance_lpf_n = (sx + k * ox, sy + k * oy, sz + k * oz)
@@ -258,14 +274,7 @@ def _limit(belief: Belief, disturbance_lpf_n: Vec3, dt: float, flight_time: floa
     return Belief(tuple(x), belief.P), disturbance_lpf_n, disturbance_saturated
 
 
-def _adapted_noise(noise: tuple[float, float], innovation: Innovation, dt: float) -> tuple[float, float]:
-    """The variances of the measurements, drawn to where the innovations are as large as predicted."""
-    k = dt / (MEASUREMENT_NOISE_TIME * 3.0)
-    result = []
-    for kind, first in enumerate((0, 3)):
-        excess = 0.0
-        for i in range(first, first + 3):
-            residual, variance = innovation.residual[i], innovation.variance[i]
-            excess += min(residual * residual, 9.0 * variance) - variance
-        result.append(min(max(noise[kind] + k * excess, NOISE_MIN[kind]), NOISE_MAX[kind]))
-    return result[0], result[1]
+def _thrust_scale_q(known: EstimatorState) -> float:
+    """1/s, process noise of the thrust scale: more where the vertical disturbance is more than air does."""
+    beyond = max(0.0, abs(known.belief.disturbance_n[2]) - VERTICAL_DISTURBANCE_USUAL) / STANDARD_GRAVITY
+    return THRUST_SCALE_Q + beyond * beyond / THRUST_SCALE_JUMP_TIME

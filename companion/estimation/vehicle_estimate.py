@@ -68,7 +68,7 @@ class VehicleEstimate(NamedTuple):
     def forces(self) -> ForceModel:
         """As estimated."""
         belief = self.estimator.belief
-        return ForceModel(belief.thrust_scale, belief.drag, belief.disturbance_n, self.gravity)
+        return ForceModel(belief.thrust_scale, belief.drag, belief.apparent_disturbance_n, self.gravity)
 
 
 def begin_estimate(

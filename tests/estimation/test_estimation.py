@@ -28,6 +28,7 @@ from companion.estimation.kalman import (
     predict_and_update,
     reset_position_velocity,
 )
+from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.predictor import ForceModel, predict
 from companion.estimation.rate_loop_identification import initial_rate_loop_estimate, update_rate_loop_estimate
 from companion.estimation.rate_loop_model import (
@@ -143,31 +144,34 @@ def dense(belief: Belief) -> np.ndarray:
     return P
 
 
-def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: tuple[float, float], learn: bool):  # type: ignore[no-untyped-def]
+LEVELS = NoiseLevels(1e-6, 1e-4, (0.01, 0.02, 0.03), (0.04, 0.05, 0.06), (0.09, 0.1, 0.04))
+
+
+def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: NoiseLevels, learn: bool):  # type: ignore[no-untyped-def]
     """The textbook's filter in matrices, all six measurements at once, Joseph's form with zero rows."""
     x, P = np.array(belief.x), dense(belief)
-    T, a, thrust_scale, c = np.eye(SIZE), np.zeros(3), x[THRUST_SCALE], x[DRAG]
+    kappa, c = x[THRUST_SCALE], x[DRAG]
+    T, new, Q, H = np.eye(SIZE), x.copy(), np.zeros(SIZE), np.zeros((6, SIZE))
     for i in range(3):
-        p, v, d, b = range(4 * i, 4 * i + 4)
-        a[i] = x[d] - thrust_scale * F[i] - c * x[v] + (G if i == 2 else 0.0)
-        T[v, [v, d, THRUST_SCALE, DRAG]] = 1.0 - c * dt, dt, -F[i] * dt, -x[v] * dt
-        half = 0.5 * dt * dt
-        T[p, [v, d, THRUST_SCALE, DRAG]] = dt - half * c, half, -F[i] * half, -x[v] * half
-        T[b, b] = 1.0 - dt / 2.0
-    new = x.copy()
-    for i in range(3):
-        new[4 * i] = x[4 * i] + dt * x[4 * i + 1] + 0.5 * dt * dt * a[i]
-        new[4 * i + 1] = x[4 * i + 1] + dt * a[i]
-        new[4 * i + 3] = x[4 * i + 3] * (1.0 - dt / 2.0)
-    q = [n for d in kalman.DISTURBANCE_Q for n in (kalman.POSITION_Q, kalman.VELOCITY_Q, d, kalman.BIAS_Q)]
-    q[0:12:4] = [kalman.POSITION_Q + kalman.POSITION_Q_GAIN * (noise[0] - kalman.POSITION_R_MIN)] * 3
-    Q = np.diag([*q, kalman.THRUST_SCALE_Q * learn, kalman.DRAG_Q * learn]) * dt
-    P = T @ P @ T.T + Q
-    H = np.zeros((6, SIZE))
-    for i in range(3):
-        H[i, 4 * i] = 1.0
-        H[3 + i, [4 * i + 1, 4 * i + 3]] = 1.0
-    R = np.diag([noise[0]] * 3 + [noise[1]] * 3)
+        p, v, u, b, d, w = range(6 * i, 6 * i + 6)
+        a = (G if i == 2 else 0.0) - kappa * F[i] - c * x[v] + x[d] + x[w]
+        new[p] = x[p] + dt * (x[v] + x[u]) + 0.5 * dt * dt * a
+        new[v] = x[v] + dt * a
+        T[p, [v, u]] = dt
+        T[v, [v, d, w, THRUST_SCALE, DRAG]] = 1.0 - c * dt, dt, dt, -F[i] * dt, -x[v] * dt
+        times = (kalman.WANDER_TIME, kalman.VELOCITY_ERROR_TIME, kalman.DISTURBANCE_TIME[i], kalman.GUST_TIME)
+        for k, time in zip((u, b, d, w), times, strict=True):
+            T[k, k] = 1.0 / (1.0 + dt / time) if time < 1e6 else 1.0
+            new[k] = x[k] * T[k, k]
+        Q[p] = kalman.POSITION_Q + kalman.POSITION_Q_GAIN * (noise.position - kalman.POSITION_R_MIN)
+        Q[v], Q[d] = kalman.VELOCITY_Q, kalman.DISTURBANCE_Q[i]
+        levels = (noise.wander[i], noise.velocity_error[i], noise.gust[i])
+        for k, time, level in zip((u, b, w), (times[0], times[1], times[3]), levels, strict=True):
+            Q[k] = 2.0 * level / time
+        H[i, p] = H[3 + i, v] = H[3 + i, b] = 1.0
+    Q[THRUST_SCALE:] = kalman.THRUST_SCALE_Q * learn, kalman.DRAG_Q * learn
+    P = T @ P @ T.T + np.diag(Q) * dt
+    R = np.diag([noise.position] * 3 + [noise.velocity] * 3)
     K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
     if not learn:
         K[THRUST_SCALE:] = 0.0
@@ -175,29 +179,31 @@ def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: tuple
     return new + K @ (z - H @ new), I_KH @ P @ I_KH.T + K @ R @ K.T
 
 
+def fresh(p_n: Vec3 = STILL, v_n: Vec3 = STILL) -> Belief:
+    return initial_belief(p_n, v_n, (0.1, 0.0, 0.0), (1.0, 0.2), (0.3, 0.5), LEVELS)
+
+
 def test_the_filter_is_the_textbooks() -> None:
     rng = random.Random(1)
-    belief = initial_belief((1.0, 2.0, -3.0), (0.5, 0.0, 0.0), (0.1, 0.0, 0.0), (1.0, 0.2), (0.3, 0.5))
+    belief = fresh((1.0, 2.0, -3.0), (0.5, 0.0, 0.0))
     for _ in range(60):
         F = (rng.gauss(0, 2), rng.gauss(0, 2), rng.gauss(9, 1))
         z = np.array([*(p + rng.gauss(0, 0.01) for p in belief.p_n), *(v + rng.gauss(0, 0.02) for v in belief.v_n)])
-        noise = (rng.uniform(1e-6, 1e-4), rng.uniform(1e-5, 1e-3))
+        noise = LEVELS._replace(position=rng.uniform(1e-6, 1e-4), velocity=rng.uniform(1e-5, 1e-3))
         x, P = usual_kalman(belief, 0.01, F, z, noise, True)
-        belief, surprise = predict_and_update(belief, 0.01, F, G, tuple(z[:3]), tuple(z[3:]), noise, True)
+        belief, innovation = predict_and_update(belief, 0.01, F, G, tuple(z[:3]), tuple(z[3:]), noise, True)
         assert belief.x == pytest.approx(x, abs=1e-9)
         assert np.allclose(dense(belief), P, rtol=1e-7, atol=1e-12)
         assert np.linalg.eigvalsh(dense(belief)).min() > 0.0
-        assert len(surprise.residual) == len(surprise.variance) == 6
+        assert len(innovation.residual) == len(innovation.variance) == 6
 
 
 def test_frozen_rows_stay_and_the_rest_is_as_with_zero_gains() -> None:
     """The measurements are taken one by one, which with frozen rows is the textbook's only for one of them."""
-    belief = initial_belief(STILL, (2.0, 1.0, 0.0), STILL, (1.0, 0.2), (0.3, 0.5))
+    belief = fresh(STILL, (2.0, 1.0, 0.0))
     for k in range(30):
-        belief, _ = predict_and_update(belief, 0.01, (0.1 * k, 0.0, 9.0), G, STILL, (2.0, 1.0, 0.0), (1e-4, 1e-3), True)
-    frozen, _ = predict_and_update(
-        belief, 0.01, (1.0, 0.0, 9.0), G, (0.1, 0.0, 0.0), (2.5, 1.0, 0.0), (1e-4, 1e-3), False
-    )
+        belief, _ = predict_and_update(belief, 0.01, (0.1 * k, 0.0, 9.0), G, STILL, (2.0, 1.0, 0.0), LEVELS, True)
+    frozen, _ = predict_and_update(belief, 0.01, (1.0, 0.0, 9.0), G, (0.1, 0.0, 0.0), (2.5, 1.0, 0.0), LEVELS, False)
     assert frozen.x[THRUST_SCALE:] == belief.x[THRUST_SCALE:]
     for i in (THRUST_SCALE, DRAG):
         for j in (THRUST_SCALE, DRAG):
@@ -330,7 +336,7 @@ def test_a_jump_moves_the_place_and_nothing_else() -> None:
     moved = update_estimate(known, Measurement(0.01, (0.0, 0.0, 8.9), (p[0] + 5.0, p[1], p[2]), v), G)
     assert moved.belief.p_n[0] == pytest.approx(p[0] + 5.0)
     assert moved.belief.x[THRUST_SCALE:] == known.belief.x[THRUST_SCALE:]
-    assert np.linalg.eigvalsh(dense(reset_position_velocity(known.belief, p, v))).min() > 0.0
+    assert np.linalg.eigvalsh(dense(reset_position_velocity(known.belief, p, v, known.noise))).min() > 0.0
 
 
 def test_trust_in_measurements_follows_their_noise() -> None:
@@ -340,8 +346,8 @@ def test_trust_in_measurements_follows_their_noise() -> None:
         p = (rng.gauss(0.0, 0.01), rng.gauss(0.0, 0.01), -10.0 + rng.gauss(0.0, 0.01))
         v = (rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03), rng.gauss(0.0, 0.03))
         known = update_estimate(known, Measurement(0.01, (0.0, 0.0, G), p, v), G)
-    assert math.sqrt(known.noise[0]) == pytest.approx(0.01, rel=0.3)
-    assert math.sqrt(known.noise[1]) == pytest.approx(0.03, rel=0.3)
+    assert math.sqrt(known.noise.position) == pytest.approx(0.01, rel=0.3)
+    assert math.sqrt(known.noise.velocity) == pytest.approx(0.03, rel=0.3)
     assert math.hypot(*known.belief.v_n) < 0.03
     assert not known.restrained
 

@@ -50,7 +50,7 @@ def test_in_a_fast_turn_px4_flies_the_rates_that_were_meant() -> None:
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory = conductor.memory
         if memory is not None and memory.steering is not None and truth.t_boot > 10.0:
-            (p, q, r), gain = memory.steering.commands[-1].rates_b, memory.steering.lag.gain
+            (p, q, r), gain = memory.steering.commands[-1].rates_b, memory.steering.estimate.identification.gain
             meant.append((p / gain, q / gain, r))
             asked.append(bridges[0].autopilot.cascade.rates_wanted)
 
@@ -203,7 +203,7 @@ def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, m
         if conductor.memory is None or conductor.memory.steering is None:
             return
         heights.append(truth.p_n[2])
-        if conductor.memory.steering.update_estimate.converged and not converged_at:
+        if conductor.memory.steering.estimate.estimator.converged and not converged_at:
             converged_at.append(now)
 
     done = measured(course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=5.0, settle=3.0, watch=watch)
