@@ -65,6 +65,9 @@ MISSION = "mission: m\nframe: ned\npath: {kind: circle, center: [0, 0, -9], radi
     [
         ("yaw: 0", "yaw: 1.5708", "m.yaml:5: yaw: 1.5708 looks like radians; expected degrees, 90 perhaps"),
         ("yaw: 0", "yaw: {tangent: -0.7854}", "m.yaml:5: yaw.tangent: -0.7854 looks like radians; expected degrees, -45 perhaps"),
+        ("yaw: 0", "yaw: pi/2", "m.yaml:5: yaw: 1.5708 looks like radians; expected degrees, 90 perhaps"),
+        ("speed: 2", "speed: 4 + atan2(sin(s/5), cos(s/5))", "m.yaml:4: speed: jumps 15.71 m along the path"),
+        ("yaw: 0", "yaw: 90*atan2(sin(s/5), cos(s/5))/pi", "m.yaml:5: yaw: jumps 15.71 m along the path"),
         ("yaw: 0", "rotate_deg: 3.14159", "expected degrees, 180 perhaps"),
         ("yaw: 0", "origin: [473977420, 85455940, 488000]", "473977420 is no latitude (in 1e-7 degrees? 47.3977 would fit)"),
         ("yaw: 0", "yaw: tangnt", "m.yaml:5: yaw: 'tangnt' is not known; did you mean tangent?"),
@@ -84,6 +87,10 @@ def test_what_is_said_of_a_mission(old: str, new: str, said: str) -> None:
     with pytest.raises(ConfigError) as caught:
         mission_from(parse(MISSION.replace(old, new), "m.yaml"), Level.MOTORS)
     assert said in str(caught.value)
+
+
+def test_a_heading_that_only_goes_round_does_not_jump() -> None:
+    mission_from(parse(MISSION.replace("yaw: 0", "yaw: degrees(atan2(sin(s/5), cos(s/5)))"), "m.yaml"), Level.MOTORS)
 
 
 def test_angles_that_are_near_a_right_one_are_degrees() -> None:

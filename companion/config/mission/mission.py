@@ -27,7 +27,7 @@ from companion.config.mission.profile_keys import (
     YawModel,
     YawTableModel,
 )
-from companion.config.mission.profiles import Profiles, known_names
+from companion.config.mission.profiles import Profiles, constant_in_degrees, known_names
 from companion.config.plan.source import is_plan, mission_text, parsed, read_plan
 from companion.config.plan.to_mission import Planned
 from companion.config.syntax.document import Document, parse
@@ -115,6 +115,8 @@ class MissionModel(Strict):
                 raise ValueError(f"{given!r} is not known; {hint}")
         if isinstance(given, str) and given not in (word, "plan"):
             parse_expression(given, None if path is None else known_names(path))
+            if info.field_name == "yaw":
+                constant_in_degrees(given)
         return given
 
     @field_validator("speed")

@@ -14,6 +14,7 @@ from companion.config.mission.profile_keys import SpeedModel, YawModel
 from companion.config.plan.to_mission import Planned
 from companion.config.syntax.document import Document
 from companion.config.syntax.faults import Fault
+from companion.config.syntax.units import not_radians
 from companion.mission import Path
 from companion.paths.implicit import VARIABLES
 from companion.paths.tracing import PathError
@@ -39,6 +40,15 @@ def known_names(path: PathModel) -> tuple[str, ...]:
     if isinstance(path, ImplicitModel):
         return (*VARIABLES, *path.constants)
     return ("s", *path.constants) if isinstance(path, ExpressionModel) else ("s",)
+
+
+def constant_in_degrees(expression: str) -> None:
+    """ValueError: a heading that is the same everywhere, and looks like an angle in radians."""
+    try:
+        value = float(parse_expression(expression, ())({}))
+    except (ValueError, ArithmeticError):
+        return  # it names what changes along the path
+    not_radians(value)
 
 
 class Profiles:
