@@ -8,11 +8,38 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from companion.frames import Vec3
 
 EARTH_RADIUS = 6371000.0
 """m, PX4's CONSTANTS_RADIUS_OF_EARTH."""
+
+
+class Home(NamedTuple):
+    """Where a vehicle starts from and returns to: degrees, and m above mean sea level, None where that is not known."""
+
+    latitude: float
+    longitude: float
+    altitude: float | None
+
+
+class HomeTold(NamedTuple):
+    """What is told of home beside the mission's file, or in its stead: by the user, by a simulated world. None: as the
+    file says. Degrees, m above mean sea level."""
+
+    latitude: float | None = None
+    longitude: float | None = None
+    altitude: float | None = None
+
+    def over(self, planned: Home | None) -> Home | None:
+        """Home as it is told, and where it is not, as it was ``planned``; None where nobody says."""
+        if self.latitude is not None and self.longitude is not None:
+            return Home(self.latitude, self.longitude, self.altitude)
+        return planned if planned is None or self.altitude is None else planned._replace(altitude=self.altitude)
+
+
+NOTHING_TOLD = HomeTold()
 
 
 @dataclass(frozen=True, slots=True)

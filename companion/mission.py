@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from companion.calculus.scalar import Scalar
 from companion.fence import Fence
 from companion.frames import Heading, Vec3
+from companion.geodesy import NOTHING_TOLD, Home, HomeTold
 from companion.law.gains import Gains
 from companion.law.implicit import Position, Specification
 from companion.paths.arc import ArcTable
@@ -73,7 +74,9 @@ class Mission:
     the level is not known. ``laps``: how many times around, None for until told. ``origin``: None where the file does
     not say. ``heading``: the kind that ``yaw`` gives. ``look_at``: the point of ``yaw: look_at`` in the mission's
     coordinates. ``repeat``: what follows the end of an open path; None: it ends there. ``fence``: where the vehicle may
-    be, in the mission's coordinates. ``notes``: what of the file is not flown, in sentences for the pilot."""
+    be, in the mission's coordinates. ``notes``: what of the file is not flown, in sentences for the pilot. ``home``:
+    where its file, or who reads it, says that home is. ``home_told``: what of that was told beside the file.
+    ``mixed_heights``: heights above home and above the sea meet in it, so that its shape hangs on home's altitude."""
 
     name: str
     path: Path
@@ -89,6 +92,9 @@ class Mission:
     repeat: Repeat | None = None
     fence: Fence | None = None
     notes: tuple[str, ...] = ()
+    home: Home | None = None
+    home_told: HomeTold = NOTHING_TOLD
+    mixed_heights: bool = False
 
     def placed(self, origin_n: Vec3, turn: float | None = None) -> Mission:
         """The mission with its origin at ``origin_n`` of the vehicle's local frame, its axes turned by ``turn`` (rad,

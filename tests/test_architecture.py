@@ -23,7 +23,7 @@ MAY_IMPORT: dict[str, str] = {
     "paths": "frames calculus vehicle",
     "profiles": "frames calculus paths",
     "law": "frames calculus vehicle paths profiles",
-    "mission": "frames fence calculus vehicle paths profiles law",
+    "mission": "frames geodesy fence calculus vehicle paths profiles law",
     "places": "frames fence geodesy mavlink_common plans vehicle paths profiles mission",
     "allocation": "vehicle",
     "thrust_range": "vehicle",
@@ -37,7 +37,7 @@ MAY_IMPORT: dict[str, str] = {
     # mavlink: world files name messages
     "config": "plain_text mavlink_common frames fence geodesy plans calculus vehicle world paths profiles law mission "
     "mavlink",
-    "record": "frames vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
+    "record": "frames geodesy vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
     "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan pilot mavlink "
     "record",
     "services": "frames fence geodesy mavlink_common vehicle flight places plans",

@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from companion.cli.orders import Faults, Sortie, read_sortie, read_world
+from companion.cli.orders import Faults, Sortie, home_told, read_sortie, read_world
 from companion.cli.output import Output
 from companion.cli.terminal import busy, say
 from companion.config.syntax.faults import ConfigError, Fault
@@ -17,6 +17,7 @@ from companion.feasibility.document import as_document
 from companion.feasibility.report import Report
 from companion.feasibility.words import headline, in_words
 from companion.frames import Vec3
+from companion.geodesy import NOTHING_TOLD
 from companion.mission import Origin
 from companion.places.words import place_words
 from companion.plain_text import printable_lines
@@ -32,8 +33,9 @@ PICTURES = (".png", ".svg", ".pdf")
 
 
 def check(
-    mission: str, vehicle: str | None, output: Output, world: str | None, *, as_json: bool, plot: Path | None
-) -> int:
+    mission: str, vehicle: str | None, output: Output, world: str | None, *, as_json: bool, plot: Path | None,
+    home: str | None = None,
+) -> int:  # fmt: skip
     """Look at a mission and say what would happen; the exit code. ConfigError: it cannot be looked at.
 
     ``world``: also with its wind, the gusts on top, and its true machine; None: in still air, as the vehicle file says.
@@ -41,8 +43,9 @@ def check(
     if plot is not None:
         _plottable(plot)
     faults = Faults()
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True))
     simulated = None if world is None else faults.collect(lambda: read_world(world, 0))
+    told = faults.collect(lambda: home_told(home, None if simulated is None else simulated.world)) or NOTHING_TOLD
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True, told=told))
     faults.raise_any()
     assert sortie is not None
     air = None if simulated is None else air_of(simulated.world, height=-sortie.mission.table.at(0.0)[0][2])

@@ -12,6 +12,7 @@ from companion.cli import file_commands, look_commands, record_commands, vehicle
 from companion.cli.options import (
     Connect,
     Duration,
+    HomePlace,
     Json,
     MissionName,
     OutputName,
@@ -28,6 +29,7 @@ from companion.cli.options import (
 )
 from companion.cli.output import Ends, Output, WhoStarts
 from companion.cli.terminal import be_normal, detail, open_standard_streams, warn
+from companion.geodesy import NOTHING_TOLD
 from companion.vehicle import CompanionError
 
 app = typer.Typer(
@@ -76,11 +78,12 @@ def check(
     plot: Annotated[
         Path | None, typer.Option("--plot", metavar="FILE", help="Draw the path into a .png, .svg or .pdf.")
     ] = None,
+    home: HomePlace = None,
 ) -> None:
     """Say whether a vehicle can fly a mission, how fast at most, and where it is tight. Nothing is flown."""
     from companion.cli.check import check as look
 
-    raise typer.Exit(look(mission, vehicle, output, world, as_json=json, plot=plot))
+    raise typer.Exit(look(mission, vehicle, output, world, as_json=json, plot=plot, home=home))
 
 
 @app.command()
@@ -93,6 +96,7 @@ def sim(
     from_ground: Annotated[
         bool, typer.Option("--from-ground", help="Begin on the ground: arm, take off, and land at the end.")
     ] = False,
+    home: HomePlace = None,
     duration: SimulatedDuration = None,
     settle: Settle = 10.0,
     udp: Annotated[
@@ -107,14 +111,15 @@ def sim(
     """Fly a mission in simulation."""
     from companion.cli.check import looked_at
     from companion.cli.finish import Ending
-    from companion.cli.orders import Faults, check_record, read_sortie, read_world
+    from companion.cli.orders import Faults, check_record, home_told, read_sortie, read_world
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
     from companion.feasibility.words import headline
     from companion.record.folder import new_directory
 
     faults = Faults()
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True))
-    simulated = faults.collect(lambda: read_world(world, seed))
+    simulated = faults.collect(lambda: read_world(world, seed, home))
+    told = home_told(home, simulated.world) if simulated is not None else NOTHING_TOLD
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True, told=told))
     faults.collect(lambda: check_record(record))
     faults.raise_any()
     assert sortie is not None and simulated is not None
@@ -175,6 +180,7 @@ def fly(
     ceiling: Annotated[
         float | None, typer.Option(metavar="M", help="Greatest height above home, in metres.", show_default="none")
     ] = None,
+    home: HomePlace = None,
     draw: Annotated[
         bool,
         typer.Option("--draw", help="Upload the path as mission items: the ground station shows it on its map."),
@@ -197,7 +203,7 @@ def fly(
     from companion.cli.finish import Ending, refuse
     from companion.cli.flying import Flight, authority_of, most_speed_scale
     from companion.cli.flying import fly as fly_now
-    from companion.cli.orders import Faults, check_record, read_sortie
+    from companion.cli.orders import Faults, check_record, home_told, read_sortie
     from companion.config.signing_key import read_key
     from companion.daemon.address import parsed
     from companion.feasibility.words import headline
@@ -206,7 +212,8 @@ def fly(
 
     faults = Faults()
     open_port = faults.collect(lambda: parsed(connect))
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output))
+    told = faults.collect(lambda: home_told(home)) or NOTHING_TOLD
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, told=told))
     faults.collect(lambda: check_record(record))
     key = None if signing_key is None else faults.collect(lambda: read_key(signing_key))
     faults.raise_any()

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 from pathlib import Path
 
 from companion.cli.check import looked_at
-from companion.cli.orders import Faults, read_sortie
+from companion.cli.orders import Faults, home_told, read_sortie
 from companion.cli.output import Output
 from companion.cli.simulate import at_home
 from companion.cli.terminal import say
+from companion.config.plan.source import plan_of
 from companion.config.syntax.faults import ConfigError, Fault
-from companion.config.world.world import home_from
-from companion.geodesy import LocalFrame
-from companion.mission import GlobalOrigin
+from companion.geodesy import NOTHING_TOLD, LocalFrame
+from companion.mission import GlobalOrigin, Mission
 from companion.places.drawn import drawn
 from companion.places.listed import COLUMNS, listed
+from companion.plans.items import Plan
 from companion.plans.writing import plan_text
 from companion.world import Home, World
 
@@ -31,36 +33,63 @@ def export(
 ) -> None:  # fmt: skip
     """Write the files. ConfigError: with every reason why they cannot be."""
     faults = Faults()
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, Output.AUTO))
-    at = faults.collect(lambda: Home() if home is None else home_from(home, "--home"))
+    told = faults.collect(lambda: home_told(home)) or NOTHING_TOLD
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, Output.AUTO, told=told))
+    at = Home() if home is None else Home(*told)  # type: ignore[arg-type]
     if plan is None and table is None:
         faults.add(Fault("--plan", 0, "", "missing; expected a file to write, here or with --csv"))
     for option, file in (("--plan", plan), ("--csv", table)):
         if file is not None:
             faults.collect(lambda option=option, file=file: writable(option, file, force))  # type: ignore[misc]
     faults.raise_any()
-    assert sortie is not None and at is not None
+    assert sortie is not None
+    known = _knows_home(sortie.mission)
+    if table is not None and not known:
+        message = f"missing; {mission} does not say how high its home lies, and the table has heights above the sea"
+        raise ConfigError([Fault("--home", 0, "", message)])
+    own = None if plan is None else plan_of(mission, told)
+    if plan is not None and own is not None:
+        _write_plan(plan, own, "the plan's own, all written out")
+        if table is None:
+            return
     sortie, _ = looked_at(sortie)
     placed, world = at_home(sortie.mission, World(home=at))
     frame = LocalFrame(world.home.latitude, world.home.longitude, world.home.altitude)
     if home is None and not isinstance(placed.origin, GlobalOrigin):
         say(f"note: home is taken to be {frame.latitude}, {frame.longitude}, {frame.altitude} m; --home says another")
-    if plan is not None:
+    if plan is not None and own is None:
         found = drawn(placed, frame, tolerance)
-        write(plan, plan_text(found))
-        say(f"{plan}: {len(found.items)} items, the legs within {tolerance:g} m of the path")
+        if not known and found.home is not None:
+            found = replace(found, home=found.home._replace(altitude=None))
+        _write_plan(plan, found, f"the legs within {tolerance:g} m of the path")
         if len(found.items) > MANY:
             say(f"note: not every autopilot takes more than {MANY} items; a larger --tolerance needs fewer")
     if table is not None:
-        out = io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        rows = 0
-        for row in listed(placed, frame, spacing):
-            writer.writerow(f"{value:.{DIGITS.get(name, 6)}f}" for name, value in zip(COLUMNS, row, strict=True))
-            rows += 1
-        write(table, out.getvalue())
-        say(f"{table}: {rows} rows, {placed.table.length:.2f} m")
+        _write_table(table, placed, frame, spacing)
+
+
+def _write_plan(file: Path, found: Plan, how: str) -> None:
+    write(file, plan_text(found))
+    say(f"{file}: {len(found.items)} items, {how}")
+
+
+def _write_table(file: Path, placed: Mission, frame: LocalFrame, spacing: float) -> None:
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    rows = 0
+    for row in listed(placed, frame, spacing):
+        writer.writerow(f"{value:.{DIGITS.get(name, 6)}f}" for name, value in zip(COLUMNS, row, strict=True))
+        rows += 1
+    write(file, out.getvalue())
+    say(f"{file}: {rows} rows, {placed.table.length:.2f} m")
+
+
+def _knows_home(mission: Mission) -> bool:
+    """Whether it is known how high home lies, where the mission's heights count from there."""
+    origin, home = mission.origin, mission.home
+    relative = isinstance(origin, GlobalOrigin) and origin.above_home
+    return not relative or (home is not None and home.altitude is not None)
 
 
 def writable(option: str, file: Path, force: bool) -> None:

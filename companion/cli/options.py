@@ -77,6 +77,15 @@ Settle = Annotated[
     float,
     typer.Option("--settle", metavar="S", min=0.0, help="Seconds after which the flight counts as settled."),
 ]
+HomePlace = Annotated[
+    str | None,
+    typer.Option(
+        "--home",
+        metavar="LAT,LON,M",
+        help="Where home is: degrees, and metres above sea level.",
+        show_default="as the plan or the world says",
+    ),
+]
 Duration = Annotated[
     float | None,
     typer.Option(

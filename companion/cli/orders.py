@@ -15,8 +15,9 @@ from companion.config.syntax.document import parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import load_vehicle, vehicle_from
-from companion.config.world.world import world_from
+from companion.config.world.world import home_from, world_from
 from companion.daemon.port import AddressError
+from companion.geodesy import NOTHING_TOLD, HomeTold
 from companion.law.gains import Level
 from companion.mission import Mission
 from companion.plan import law_level
@@ -24,6 +25,7 @@ from companion.record.circumstances import Simulated
 from companion.record.folder import Source
 from companion.record.place import refuse_used
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle
+from companion.world import Home, World
 
 DEFAULT_VEHICLE = "x500"
 T = TypeVar("T")
@@ -68,12 +70,14 @@ class Faults:
             raise ConfigError(self._faults)
 
 
-def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, direct: bool = False) -> Sortie:
+def read_sortie(
+    mission_name: str, vehicle_name: str | None, output: Output, *, direct: bool = False, told: HomeTold = NOTHING_TOLD
+) -> Sortie:
     """The mission and the vehicle of a command line.
 
     The vehicle is ``--vehicle``, else the mission's own, else x500. ``direct``: nothing is flown but a simulation, so
     ``--output motors`` treats the vehicle as if its file said ``motors: direct``, and gains slower than advised are
-    noted. ConfigError with the faults of both files.
+    noted. ``told``: of home, beside the mission's file. ConfigError with the faults of both files.
     """
     faults = Faults()
     mission_text = faults.collect(lambda: _source(mission_name, "missions"))
@@ -89,7 +93,7 @@ def read_sortie(mission_name: str, vehicle_name: str | None, output: Output, *, 
     if mission_text is not None:
         law = None if level is None else law_level(level)
         mission = faults.collect(
-            lambda: mission_from(parsed(mission_text.text, mission_text.name), law, simulated=direct)
+            lambda: mission_from(parsed(mission_text.text, mission_text.name), law, told=told, simulated=direct)
         )
     faults.raise_any()
     assert mission is not None and vehicle is not None and level is not None
@@ -117,10 +121,23 @@ def read_bare(mission_name: str, vehicle_name: str | None, level: Level) -> tupl
     return mission, vehicle
 
 
-def read_world(name: str, seed: int) -> Simulated:
-    """The world of a command line, with its file as it is. ConfigError with every fault."""
+def home_told(option: str | None, world: World | None = None) -> HomeTold:
+    """What ``--home`` says; else how high the home of a simulated ``world`` lies, where that has one of its own.
+    ConfigError with every fault."""
+    if option is not None:
+        home = home_from(option, "--home")
+        return HomeTold(home.latitude, home.longitude, home.altitude)
+    return NOTHING_TOLD if world is None or world.home == Home() else HomeTold(altitude=world.home.altitude)
+
+
+def read_world(name: str, seed: int, home: str | None = None) -> Simulated:
+    """The world of a command line, with its file as it is; its home where ``--home`` says. ConfigError with every
+    fault."""
     source = _source(name, "worlds")
-    return Simulated(world_from(parse(source.text, source.name)), source.name, source.text, seed)
+    world = world_from(parse(source.text, source.name))
+    if home is not None:
+        world = dataclasses.replace(world, home=home_from(home, "--home"))
+    return Simulated(world, source.name, source.text, seed)
 
 
 def output_level(output: Output, vehicle: Vehicle) -> OutputLevel:

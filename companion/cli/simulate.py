@@ -76,7 +76,8 @@ def at_home(mission: Mission, world: World) -> tuple[Mission, World]:
     """The mission in the world's local frame. A world that has no place of its own is where the mission is."""
     origin = mission.origin
     if isinstance(origin, GlobalOrigin) and world.home == Home():
-        altitude = Home().altitude if origin.above_home else origin.altitude
+        known = None if mission.home is None else mission.home.altitude
+        altitude = known if known is not None else Home().altitude if origin.above_home else origin.altitude
         world = dataclasses.replace(world, home=Home(origin.latitude, origin.longitude, altitude))
     home = (world.home.latitude, world.home.longitude, world.home.altitude)
     where = Whereabouts((0.0, 0.0, 0.0), on_ground=True, frame=LocalFrame(*home), home=home)

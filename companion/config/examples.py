@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from companion.config.json_schemas import editor_line
+from companion.geodesy import Home
 from companion.mavlink_common import MAV_CMD_DO_CHANGE_SPEED, MAV_CMD_NAV_TAKEOFF, MAV_CMD_NAV_WAYPOINT
 from companion.plans.items import Item, Plan
 from companion.plans.writing import plan_text
@@ -203,4 +204,4 @@ def example_plan() -> str:
     items.append(Item(MAV_CMD_DO_CHANGE_SPEED, 2, (1.0, 3.0, -1.0, 0.0, 0.0, 0.0, 0.0), len(items) + 1, ()))
     waypoint(30.0, 25.0, 12.0)
     waypoint(0.0, 25.0, 12.0)
-    return plan_text(Plan(tuple(items), (latitude, longitude, altitude), 5.0))
+    return plan_text(Plan(tuple(items), Home(latitude, longitude, altitude), 5.0))

@@ -25,6 +25,8 @@ PLACE_WITHIN = 30.0
 """s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
 IDENTITY_WITHIN = 5.0
 """s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
+HOME_ALTITUDE_AGREES = 1.0
+"""m within which the home that a plan was read with and the vehicle's must lie equally high, where that matters."""
 FLOOR = 1.0
 """m above the ground: the floor where none was ordered."""
 UNDER_THE_PATH = 0.5
@@ -110,6 +112,7 @@ class Preparation:
                 return None
         where = self._whereabouts(state)
         mission: Mission = placed(orders.mission, orders.origin, where)
+        heights_agree(mission, where)
         self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
         stands_at = state.p_n if where.on_ground else None
         conduct = conducted(orders.conduct, vehicle, tuning, mission.table, where.home_n, stands_at)
@@ -168,6 +171,21 @@ class Preparation:
 
     def _known_for(self, now: float) -> float:
         return 0.0 if self.heard_at is None else now - self.heard_at
+
+
+def heights_agree(mission: Mission, where: Whereabouts) -> None:
+    """CompanionError: the mission's shape hangs on how high home lies, and the vehicle's lies at another height."""
+    planned = mission.home
+    if not mission.mixed_heights or planned is None or planned.altitude is None:
+        return
+    if where.home is None:
+        raise NotKnownError("the plan has heights above home, and the vehicle has not set one (HOME_POSITION)")
+    latitude, longitude, altitude = where.home
+    if abs(altitude - planned.altitude) > HOME_ALTITUDE_AGREES:
+        raise CompanionError(
+            f"the plan has heights above home and above the sea; its home lies {planned.altitude:.1f} m above the "
+            f"sea, the vehicle's {altitude:.1f} m; fly it with --home {latitude:.7f},{longitude:.7f},{altitude:.1f}"
+        )
 
 
 def conducted(

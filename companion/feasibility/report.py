@@ -160,9 +160,12 @@ def _duration(mission: Mission, at: Stations, vehicle: Vehicle) -> float:
 
 
 def ground_under(mission: Mission) -> float:
-    """m, down in the local frame: the height that the mission's heights count from, or its vehicle's home."""
-    origin = mission.origin
-    above = origin.altitude if isinstance(origin, GlobalOrigin) and origin.above_home else 0.0
+    """m, down in the local frame: home where it is known, else the height that the mission's heights count from."""
+    origin, home = mission.origin, mission.home
+    above = 0.0
+    if isinstance(origin, GlobalOrigin):
+        known = None if home is None else home.altitude
+        above = origin.altitude if origin.above_home else 0.0 if known is None else origin.altitude - known
     return mission.placement.origin_n[2] + above
 
 

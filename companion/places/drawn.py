@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.fence import Fence, Polygon
-from companion.geodesy import LocalFrame
+from companion.geodesy import Home, LocalFrame
 from companion.mavlink_common import (
     MAV_CMD_DO_CHANGE_SPEED,
     MAV_CMD_DO_JUMP,
@@ -76,7 +76,7 @@ def drawn(mission: Mission, home: LocalFrame, tolerance: float) -> Plan:
             add(MAV_CMD_DO_JUMP, MAV_FRAME_MISSION, 1.0, repeats, 0.0, 0.0, 0.0, 0.0, 0.0)
     fence = mission.fence_n
     areas = () if fence is None else _areas(fence, home)
-    return Plan(tuple(items), (home.latitude, home.longitude, home.altitude), round(told, 2), areas)
+    return Plan(tuple(items), Home(home.latitude, home.longitude, home.altitude), round(told, 2), areas)
 
 
 def waypoint_arcs(mission: Mission, tolerance: float) -> list[float]:

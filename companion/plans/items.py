@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from companion.fence import Circle, Fence, Polygon
 from companion.frames import Vec3
-from companion.geodesy import LocalFrame
+from companion.geodesy import Home, LocalFrame
 from companion.mavlink_common import (
     MAV_FRAME_GLOBAL,
     MAV_FRAME_GLOBAL_INT,
@@ -63,12 +63,12 @@ class FenceArea:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What a ground station wrote. ``home``: the planned home, latitude, longitude, m above mean sea level. ``speed``:
+    """What a ground station wrote. ``home``: the planned home, None where it is not known. ``speed``:
     m/s to fly at until told otherwise, None where the file does not say. ``rally``: how many rally points it has.
     ``notes``: what a pilot should know of how it was read."""
 
     items: tuple[Item, ...]
-    home: tuple[float, float, float] | None = None
+    home: Home | None = None
     speed: float | None = None
     fence: tuple[FenceArea, ...] = ()
     rally: tuple[Place, ...] = ()

@@ -183,10 +183,11 @@ class _Walk:
     def _took_off(self, item: Item) -> None:
         latitude, longitude, altitude = item.params[4:7]
         home = self._plan.home
-        if (
-            not math.isfinite(latitude) or not math.isfinite(longitude) or (latitude == 0.0 and longitude == 0.0)
-        ) and home is not None:
-            item = item._replace(params=(*item.params[:4], home[0], home[1], altitude))
+        if not math.isfinite(latitude) or not math.isfinite(longitude) or latitude == longitude == 0.0:
+            if home is None:
+                self._note("the take-off has no place; the path begins at the waypoint after it", item)
+                return
+            item = item._replace(params=(*item.params[:4], home.latitude, home.longitude, altitude))
         place = self._place(item)
         if place is not None:
             self._waypoints.append(Waypoint(place, self._speed, self._facing(None), item.key))
@@ -222,7 +223,7 @@ class _Walk:
         if item.command == MAV_CMD_DO_SET_ROI and item.params[0] != 3.0:
             self._note("regions of interest that are not places are skipped", item)
             return
-        self._roi = self._place(item)
+        self._roi = None if item.params[4] == item.params[5] == 0.0 else self._place(item)
 
     def _faced_nothing(self, item: Item) -> None:
         self._roi = None
@@ -277,6 +278,8 @@ class _Walk:
             math.isfinite(latitude) and math.isfinite(longitude) and abs(latitude) <= 89.0 and abs(longitude) <= 180.0
         ):
             self._problem(item, f"no place on the earth: latitude {latitude:g}, longitude {longitude:g}")
+        elif latitude == longitude == 0.0:
+            self._problem(item, "latitude 0, longitude 0, which stands for no place at all; expected where to fly")
         elif not math.isfinite(altitude):
             self._problem(item, "no altitude; where it was to be over the terrain, the ground station had no data")
         elif not -500.0 <= altitude <= 10_000.0:
@@ -286,7 +289,7 @@ class _Walk:
         return None
 
     def _problem(self, item: Item, message: str) -> None:
-        self._problems.append(Problem(item.key, message))
+        self._problems.append(Problem(item.key, f"item {item.number}: {message}"))
 
     def _note(self, words: str, item: Item) -> None:
         if item.number not in self._notes[words]:

@@ -17,7 +17,7 @@ RELATIVE_MODE, AMSL_MODE = 1, 2
 
 def plan_text(plan: Plan) -> str:
     """The file; read again it is the same plan, but for its notes."""
-    home = plan.home or (0.0, 0.0, 0.0)
+    home = [0.0, 0.0, 0.0] if plan.home is None else [*plan.home[:2], plan.home.altitude or 0.0]
     polygons = [_polygon(area) for area in plan.fence if area.radius is None]
     circles = [_circle(area) for area in plan.fence if area.radius is not None]
     whole = {
@@ -30,7 +30,7 @@ def plan_text(plan: Plan) -> str:
             "globalPlanAltitudeMode": RELATIVE_MODE,
             "hoverSpeed": 5.0 if plan.speed is None else plan.speed,
             "items": [_item(item) for item in plan.items],
-            "plannedHomePosition": list(home),
+            "plannedHomePosition": home,
             "vehicleType": QUADROTOR,
             "version": 2,
         },

@@ -16,6 +16,7 @@ from companion.config.vehicle import vehicle_from
 from companion.estimation.learned import Learned
 from companion.feasibility.auto import flyable
 from companion.flight.conduct import from_dict
+from companion.geodesy import HomeTold
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
 from companion.record.table import Table, read_table
@@ -51,6 +52,7 @@ def load_flight(directory: Path) -> Recorded:
         level = OutputLevel(resolved["output"])
         x, y, z = resolved["origin_n"]
         turn = float(resolved["turn_rad"])
+        told = HomeTold(*resolved.get("home_told", ()))
         begun_at = float(resolved["begun_at"])
         tuning = Tuning(**resolved["tuning"])
         conduct = from_dict(resolved["conduct"])
@@ -72,7 +74,8 @@ def load_flight(directory: Path) -> Recorded:
         message = f"cannot be read: {what}; expected it as the flight wrote it"
         raise ConfigError([Fault(str(reading), 1, "", message)]) from None
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
-    flown = flyable(mission_from(mission, law_level(level), directory, simulated=True), machine).placed((x, y, z), turn)
+    read = mission_from(mission, law_level(level), directory, told, simulated=True)
+    flown = flyable(read, machine).placed((x, y, z), turn)
     plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning, conduct, learned)
     cuts = tuple(words for words in (cut, truth_cut) if words is not None)
     return Recorded(plan, table, truth, begun_at, cuts)

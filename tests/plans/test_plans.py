@@ -87,7 +87,7 @@ def test_heights_above_the_sea_and_above_home() -> None:
 def test_heights_of_both_kinds_meet_at_the_planned_home(tmp_path: Path) -> None:
     mission = flown(tmp_path, waypoint(0, 0, 12), waypoint(30, 0, HOME[2] + 20, frame=0))
     assert mission.table.at(mission.table.length)[0] == pytest.approx((30.0, 0.0, -20.0), abs=0.05)
-    assert "above sea level are taken to be over the planned home at 488.0 m" in mission.notes[0]
+    assert mission.notes == ("its heights above home count from 488.0 m above sea level, those above the sea are kept",)
     only = flown(tmp_path, waypoint(0, 0, 500, frame=0), waypoint(30, 0, 510, frame=0))
     assert only.origin == GlobalOrigin(*HOME)
     assert only.table.at(0.0)[0][2] == pytest.approx(-12.0)
@@ -209,7 +209,7 @@ def test_the_fence_of_a_plan(tmp_path: Path) -> None:
         (lambda p: p["mission"].update(items=[]), "mission.items", "two waypoints (three in a loop), found none"),
         (lambda p: p["mission"].update(items=p["mission"]["items"][:1]), "mission.items", "found one"),
         (lambda p: p["mission"].update(items=7), "mission.items", "7 is not a list"),
-        (lambda p: p["mission"].update(plannedHomePosition=[1, 2]), "mission.plannedHomePosition", "3 numbers"),
+        (lambda p: p["mission"].update(plannedHomePosition=[1, "2"]), "mission.plannedHomePosition", "2 numbers"),
         (lambda p: p["mission"].update(hoverSpeed=-3), "mission.hoverSpeed", "no speed"),
         (lambda p: p["mission"]["items"][1].update(type="Thing"), "mission.items[1].type", "'Thing' is not known"),
         (lambda p: p["mission"]["items"][1].pop("command"), "mission.items[1].command", "missing"),

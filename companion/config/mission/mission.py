@@ -36,6 +36,7 @@ from companion.config.syntax.file_lookup import find, read
 from companion.config.syntax.schema import Strict, validate
 from companion.fence import Fence
 from companion.frames import Heading, Vec3
+from companion.geodesy import NOTHING_TOLD, HomeTold
 from companion.law.gains import Level
 from companion.mission import GlobalOrigin, Mission, Origin, Repeat, Start
 from companion.mission import Path as MissionPath
@@ -127,13 +128,13 @@ class MissionModel(Strict):
         return speed
 
 
-def load_mission(name: str, level: Level | None) -> Mission:
+def load_mission(name: str, level: Level | None, told: HomeTold = NOTHING_TOLD) -> Mission:
     """The mission of a name in configs/missions or a path, with gains for ``level``, its curve traced and its speed
-    checked. ConfigError with every fault."""
+    checked. ``told``: of home, beside the file. ConfigError with every fault."""
     path = find(name, "missions")
     if is_plan(name):
-        return mission_from(parsed(mission_text(path), str(path)), level)
-    return mission_from(parse(read(path), str(path)), level)
+        return mission_from(parsed(mission_text(path), str(path)), level, told=told)
+    return mission_from(parse(read(path), str(path)), level, told=told)
 
 
 def bare_mission_from(document: Document, level: Level) -> Mission:
@@ -158,13 +159,15 @@ def bare_mission_from(document: Document, level: Level) -> Mission:
 
 
 def mission_from(
-    document: Document, level: Level | None, beside: Path | None = None, *, simulated: bool = False
-) -> Mission:
+    document: Document, level: Level | None, beside: Path | None = None, told: HomeTold = NOTHING_TOLD, *,
+    simulated: bool = False,
+) -> Mission:  # fmt: skip
     """The mission a document describes. ``beside``: the folder its plan lies in, if it has one; None: as it says.
-    ``simulated``: gains slower than advised are noted and not refused. ConfigError with every fault."""
+    ``told``: of home, beside the file. ``simulated``: gains slower than advised are noted and
+    not refused. ConfigError with every fault."""
     document, origin = localised(document)
     model = validate(document, MissionModel)
-    reader = _Reader(document, model, origin or _origin(model.origin), beside)
+    reader = _Reader(document, model, origin or _origin(model.origin), beside, told)
     mission = reader.mission(level, check=True, simulated=simulated)
     faults = reader.faults
     if mission is not None and isinstance(mission.path, ImplicitPath) and mission.path.near is None:
@@ -180,9 +183,10 @@ class _Reader:
     """Makes the mission of one document; what is wrong with it goes into ``faults``."""
 
     def __init__(
-        self, document: Document, model: MissionModel, origin: Origin | GlobalOrigin | None, beside: Path | None
-    ) -> None:
-        self._document, self._model, self._origin, self._beside = document, model, origin, beside
+        self, document: Document, model: MissionModel, origin: Origin | GlobalOrigin | None, beside: Path | None,
+        told: HomeTold = NOTHING_TOLD,
+    ) -> None:  # fmt: skip
+        self._document, self._model, self._origin, self._beside, self._told = document, model, origin, beside, told
         self._placement = Placement(turn=math.radians(model.rotate_deg), enu=model.frame == "enu")
         self._plan: Planned | None = None
         self.faults: list[Fault] = []
@@ -225,6 +229,9 @@ class _Reader:
             repeat=None if model.repeat is None else Repeat(model.repeat),
             fence=_both(fence_from(model.fence), None if plan is None else plan.fence),
             notes=(*(() if plan is None else plan.notes), *(noted or ())),
+            home=self._told.over(None) if plan is None else plan.home,
+            home_told=self._told,
+            mixed_heights=plan is not None and plan.mixed_heights,
         )
         if mission.repeat is not None and mission.closed:
             self._fault(("repeat",), "the path is closed; expected an open one to fly back and forth")
@@ -242,7 +249,7 @@ class _Reader:
         if model.rotate_deg != 0.0:
             self._fault(("rotate_deg",), "a plan is not turned; expected none")
         try:
-            self._plan = read_plan(self._document, model.path, self._placement, self._beside)
+            self._plan = read_plan(self._document, model.path, self._placement, self._beside, self._told)
         except ConfigError as error:
             self.faults += error.faults
             return None

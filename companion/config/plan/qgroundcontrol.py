@@ -9,6 +9,7 @@ from companion.config.plan.waypoints import is_waypoints, waypoints_from
 from companion.config.syntax.document import Document
 from companion.config.syntax.faults import ConfigError, Fault, Key
 from companion.config.syntax.json_text import parse_json
+from companion.geodesy import Home
 from companion.plans.items import FenceArea, Item, Place, Plan
 from companion.plans.scan import StructureScan, scan_items
 
@@ -55,23 +56,33 @@ class _Reader:
             notes.append("the plan was made for another autopilot than PX4")
         if mission.get("vehicleType", 2) not in MULTIROTORS:
             notes.append("the plan was made for another kind of vehicle than a multirotor")
-        home = None
-        if mission.get("plannedHomePosition") is not None:
-            home = self._numbers(mission["plannedHomePosition"], ("mission", "plannedHomePosition"), 3)
-            if home is not None and (abs(home[0]) > 89.0 or abs(home[1]) > 180.0):
-                self._fault(("mission", "plannedHomePosition"), f"{home[0]:g}, {home[1]:g} is no place on the earth")
         speed = mission.get("hoverSpeed")
         if speed is not None and (not _is_number(speed) or not 0.0 < speed <= 100.0):
             self._fault(("mission", "hoverSpeed"), f"{_shown(speed)} is no speed; expected 0 to 100 m/s")
             speed = None
         return Plan(
             items=tuple(self._items(mission)),
-            home=None if home is None else (home[0], home[1], home[2]),
+            home=self._home(mission.get("plannedHomePosition")),
             speed=None if speed is None else float(speed),
             fence=tuple(self._fence(root)),
             rally=tuple(self._rally(root)),
             notes=tuple(notes),
         )
+
+    def _home(self, given: Any) -> Home | None:
+        """None, or an altitude of None, where it is not known: ground stations write 0 for that."""
+        if given is None:
+            return None
+        key: Key = ("mission", "plannedHomePosition")
+        if isinstance(given, list) and len(given) == 3 and given[2] is None:
+            given = given[:2]
+        read = self._numbers(given, key, 2 if isinstance(given, list) and len(given) == 2 else 3)
+        if read is None or (read[0] == 0.0 and read[1] == 0.0):
+            return None
+        if abs(read[0]) > 89.0 or abs(read[1]) > 180.0 or (len(read) == 3 and not abs(read[2]) < 10_000.0):
+            self._fault(key, f"{', '.join(f'{value:g}' for value in read)} is no place on the earth")
+            return None
+        return Home(read[0], read[1], read[2] or None if len(read) == 3 else None)
 
     def _items(self, mission: dict[str, Any]) -> list[Item]:
         found: list[Item] = []

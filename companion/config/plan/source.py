@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 from companion.config.mission.path_keys import PlanModel
@@ -11,9 +12,10 @@ from companion.config.plan.to_mission import Planned, planned
 from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import read
+from companion.geodesy import HomeTold
 from companion.paths.placement import Placement
 from companion.paths.tracing import PathError
-from companion.plans.items import PlanError
+from companion.plans.items import Plan, PlanError
 
 SUFFIXES = (".plan", ".waypoints")
 
@@ -42,18 +44,30 @@ def plan_path(document: Document, file: str, beside: Path | None) -> Path:
     return Path(document.file).parent / file if beside is None else beside / Path(file).name
 
 
-def read_plan(document: Document, model: PlanModel, placement: Placement, beside: Path | None) -> Planned:
-    """What a mission of kind plan flies. ConfigError with every fault of the plan."""
+def read_plan(
+    document: Document, model: PlanModel, placement: Placement, beside: Path | None, told: HomeTold
+) -> Planned:
+    """What a mission of kind plan flies. ``told``: of home, beside it. ConfigError with its every fault."""
     path = plan_path(document, model.file, beside)
     if not path.is_file():
         raise ConfigError([document.fault(("path", "file"), f"{path}: no such file; expected a .plan or a .waypoints")])
     plan, lines = plan_from(read(path), str(path))
+    plan = replace(plan, home=told.over(plan.home))
     try:
-        return planned(plan, model.corner_tolerance, model.smooth, placement)
+        return planned(plan, model.corner_tolerance, model.smooth, placement, told.altitude)
     except PlanError as error:
         raise ConfigError([lines.fault(problem.key, problem.message) for problem in error.problems]) from None
     except (ValueError, ArithmeticError, PathError) as error:
         raise ConfigError([Fault(str(path), 1, "", f"the path {error}")]) from None
+
+
+def plan_of(name: str, told: HomeTold) -> Plan | None:
+    """The plan that ``name`` is, with ``told`` of its home; None where it is a mission file. ConfigError with every
+    fault."""
+    if not is_plan(name):
+        return None
+    plan, _ = plan_from(read(Path(name)), name)
+    return replace(plan, home=told.over(plan.home))
 
 
 def attached(text: str, file: str) -> tuple[str, str] | None:

@@ -11,16 +11,19 @@ from numpy.typing import NDArray
 from companion.config.plan.yaw import leg_yaw
 from companion.fence import Fence
 from companion.frames import Vec3
-from companion.geodesy import LocalFrame
+from companion.geodesy import Home, LocalFrame
 from companion.mission import GlobalOrigin
 from companion.paths.curve import Curve
 from companion.paths.placement import Placement
 from companion.paths.polyline import PHI, polyline
 from companion.paths.spline import SPACING, spline
-from companion.plans.items import Plan, fence_in
+from companion.plans.items import Plan, PlanError, Problem, fence_in
 from companion.plans.route import Route, Waypoint, route
 from companion.profiles import AutoSpeed, Yaw
 
+NO_HOME = (
+    "heights above sea level, and it is not known how high home, and so the ground, lies; say it: --home LAT,LON,METRES"
+)
 HOVER_SPEED = 5.0
 """m/s, QGroundControl's own default, for plans that do not say."""
 APART = 0.05
@@ -38,7 +41,7 @@ Array = NDArray[np.float64]
 class Planned:
     """A plan made ready. ``curve``: the path, placed. ``origin``: the planned home, which it counts from. ``yaw``: as
     the plan says, ``look_at`` in the mission's coordinates where it faces one place all the way. ``fence``: in the
-    mission's coordinates. ``notes``: what of the plan is not flown."""
+    mission's coordinates. ``notes``: what of the plan is not flown. ``home``, ``mixed_heights``: see Mission."""
 
     curve: Curve
     origin: GlobalOrigin
@@ -47,6 +50,8 @@ class Planned:
     look_at: Vec3 | None
     fence: Fence | None
     notes: tuple[str, ...]
+    home: Home | None = None
+    mixed_heights: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,13 +63,18 @@ class Legs:
     closed: bool
 
 
-def planned(plan: Plan, tolerance: float, smooth: bool, placement: Placement) -> Planned:
+def planned(
+    plan: Plan, tolerance: float, smooth: bool, placement: Placement, home_altitude: float | None = None
+) -> Planned:
     """``tolerance``: m, how far from a waypoint the path may pass it. ``smooth``: a spline through the waypoints.
-    ``placement``: how the mission counts. PlanError: it cannot be flown. ValueError: its waypoints cannot be joined."""
+    ``placement``: how the mission counts. ``home_altitude``: m above the sea, told where the plan does not say.
+    PlanError: it cannot be flown. ValueError: its waypoints cannot be joined."""
     way = route(plan)
-    home = plan.home or (*way.waypoints[0].place[:2], 0.0)
-    frame = LocalFrame(*home)
-    relative = _relative(way)
+    home = plan.home or Home(*way.waypoints[0].place[:2], home_altitude)
+    above_sea = {waypoint.place.amsl for waypoint in way.waypoints}
+    if True in above_sea and home.altitude is None:
+        raise PlanError([Problem(("mission", "plannedHomePosition"), NO_HOME)])
+    frame = LocalFrame(home.latitude, home.longitude, home.altitude or 0.0)
     legs = _apart(way, frame)
     if not smooth:
         legs = _turned_round(legs, tolerance)
@@ -74,26 +84,26 @@ def planned(plan: Plan, tolerance: float, smooth: bool, placement: Placement) ->
     arcs = _arcs(curve, legs, smooth)
     speeds = [w.speed or plan.speed or HOVER_SPEED for w in legs.waypoints]
     yaw, faced_n = leg_yaw(curve, legs.points, legs.waypoints, arcs, speeds, frame, smooth)
-    fence = fence_in(plan.fence, lambda latitude, longitude: frame.to_local(latitude, longitude, home[2]))
+    fence = fence_in(plan.fence, lambda latitude, longitude: frame.to_local(latitude, longitude, frame.altitude))
     return Planned(
         curve=curve,
-        origin=GlobalOrigin(home[0], home[1], 0.0 if relative else home[2], relative),
+        origin=GlobalOrigin(
+            home.latitude, home.longitude, frame.altitude if True in above_sea else 0.0, True not in above_sea
+        ),
         speed=_speed(arcs, speeds, legs.closed),
         yaw=yaw,
         look_at=None if faced_n is None else placement.to_mission(faced_n),
         fence=None if fence is None else fence.moved(placement.to_mission),
-        notes=_notes(plan, way, home[2]),
+        notes=_notes(plan, way, frame.altitude),
+        home=home,
+        mixed_heights=len(above_sea) == 2,
     )
-
-
-def _relative(way: Route) -> bool:
-    return any(not waypoint.place.amsl for waypoint in way.waypoints)
 
 
 def _notes(plan: Plan, way: Route, home: float) -> tuple[str, ...]:
     notes = list(way.notes)
     if len({waypoint.place.amsl for waypoint in way.waypoints}) == 2:
-        notes.append(f"altitudes above sea level are taken to be over the planned home at {home:.1f} m above sea level")
+        notes.append(f"its heights above home count from {home:.1f} m above sea level, those above the sea are kept")
     if plan.rally:
         notes.append("its rally points are the autopilot's own business")
     return tuple(notes)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from companion.config.syntax.document import Document
 from companion.config.syntax.faults import ConfigError, Fault, Key
+from companion.geodesy import Home
 from companion.mavlink_common import MAV_CMD_NAV_WAYPOINT
 from companion.plans.items import AMSL_FRAMES, Item, Plan
 
@@ -55,7 +56,8 @@ def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
         and first.frame in AMSL_FRAMES
     ):
         place = (first.params[4], first.params[5], first.params[6])
-        home = place if place[:2] != (0.0, 0.0) and all(map(math.isfinite, place)) else None
+        known = place[:2] != (0.0, 0.0) and all(map(math.isfinite, place))
+        home = Home(place[0], place[1], place[2] or None) if known else None
         notes = ("the first line is taken for home, as QGroundControl does",)
         items = items[1:]
     return Plan(tuple(items), home, notes=notes), Document(file, None, where)
