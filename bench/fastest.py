@@ -26,9 +26,9 @@ from companion.config.syntax.document import parse
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.demand import Demand
 from companion.feasibility.fastest import KNOT_TIME, Fastest, speeds
+from companion.feasibility.headroom import Headroom
 from companion.feasibility.limits import quantities
 from companion.feasibility.report import check
-from companion.feasibility.room import Room
 from companion.law.gains import Level
 from companion.mission import Mission
 from companion.profiles import AutoSpeed
@@ -71,7 +71,7 @@ def optimum(mission: Mission, vehicle: Vehicle) -> float:
     """s of the fastest lap."""
     assert isinstance(mission.speed, AutoSpeed)
     search = Fastest(mission, mission.speed, vehicle, knot_time=0.25 * KNOT_TIME)
-    room, at, matrices, ds = search._room, search._at, search._matrices, search._ds
+    room, at, matrices, ds = search._headroom, search._at, search._matrices, search._ds
     c = search.improved(search.first())
     # a barrier stays off the limits: the rest of the way is for linear programmes, each feasible to a thousandth
     trust, best = 0.02, search.time(c)
@@ -101,7 +101,7 @@ def optimum(mission: Mission, vehicle: Vehicle) -> float:
     return best
 
 
-def sloped(room: Room, at: object, y: Array, used: Array, steady: Array) -> Array:
+def sloped(room: Headroom, at: object, y: Array, used: Array, steady: Array) -> Array:
     """Derivatives of the shares over the squared speed and its three derivatives: (4, limits, places)."""
     slopes = []
     for k in range(4):

@@ -11,7 +11,7 @@ from companion.cli.terminal import say
 from companion.config.plan.qgroundcontrol import plan_from
 from companion.flight.preflight import RATE_WANTED
 from companion.mission import Origin
-from companion.places.standing import PlaceError, placed
+from companion.places.origins import PlaceError, placed
 from companion.places.words import place_words
 from companion.plain_text import printable
 from companion.services.audit import Finding, Weight, audited
@@ -44,7 +44,7 @@ def preflight(url: str, sortie: Sortie | None, *, upload: bool, as_json: bool) -
 
 def _place(vehicle: ConnectedVehicle, sortie: Sortie, upload: bool) -> list[str]:
     """Where the path would run, and what was uploaded."""
-    where = vehicle.whereabouts()
+    where = vehicle.location()
     mission = placed(sortie.mission, Origin.TAKEOFF, where)
     words = str(place_words(sortie.mission, Origin.TAKEOFF, where)).splitlines()
     attached = sortie.mission_source.attached

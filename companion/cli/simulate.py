@@ -27,7 +27,7 @@ from companion.flight.conduct import Conduct
 from companion.frames import quaternion_from_euler
 from companion.geodesy import LocalFrame
 from companion.mission import GlobalOrigin, Mission, Origin
-from companion.places.standing import Whereabouts, placed
+from companion.places.origins import VehicleLocation, placed
 from companion.record.circumstances import Simulated
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError, OutputLevel
@@ -80,7 +80,7 @@ def at_home(mission: Mission, world: World) -> tuple[Mission, World]:
         altitude = known if known is not None else Home().altitude if origin.above_home else origin.altitude
         world = dataclasses.replace(world, home=Home(origin.latitude, origin.longitude, altitude))
     home = (world.home.latitude, world.home.longitude, world.home.altitude)
-    where = Whereabouts((0.0, 0.0, 0.0), on_ground=True, frame=LocalFrame(*home), home=home)
+    where = VehicleLocation((0.0, 0.0, 0.0), on_ground=True, frame=LocalFrame(*home), home=home)
     return placed(mission, Origin.LOCAL, where), world
 
 

@@ -6,7 +6,7 @@ import json
 import math
 
 from companion.cli.finish import COMPLETED, FAILED
-from companion.daemon.status_file import SILENT_AFTER, Standing, standings
+from companion.daemon.status_file import SILENT_AFTER, FlightStatus, read_statuses
 from companion.plain_text import printable
 
 LABEL = 9
@@ -16,24 +16,24 @@ NOTES_MAX, TEXT_MAX = 20, 300
 
 def status(as_json: bool) -> int:
     """Print it; the exit code: 0 where one is running."""
-    found = standings()
+    found = read_statuses()
     if as_json:
         print(json.dumps([{**s.told, "age_s": round(s.age, 1), "running": s.running} for s in found], indent=2))
     else:
         print("\n\n".join(map(in_words, found)) if found else "no companion is running on this computer")
-    return COMPLETED if any(standing.running for standing in found) else FAILED
+    return COMPLETED if any(status.running for status in found) else FAILED
 
 
-def in_words(standing: Standing) -> str:
+def in_words(status: FlightStatus) -> str:
     """One companion, for a person. What it said may come from another user, and is shown as data."""
-    told = {key: _plain(value) for key, value in standing.told.items() if key != "notes"}
+    told = {key: _plain(value) for key, value in status.told.items() if key != "notes"}
     who = (
         f"{told.get('mission', '?')} on {told.get('vehicle', '?')} at {told.get('output', '?')}, process {told['pid']}"
     )
-    if not standing.running:
-        head = f"{who}: ended without a word {_ago(standing.age)}; look at the vehicle and at its flight folder"
-    elif standing.age > SILENT_AFTER:
-        head = f"{who}: has said nothing for {standing.age:.0f} s; it hangs, or the computer does"
+    if not status.running:
+        head = f"{who}: ended without a word {_ago(status.age)}; look at the vehicle and at its flight folder"
+    elif status.age > SILENT_AFTER:
+        head = f"{who}: has said nothing for {status.age:.0f} s; it hangs, or the computer does"
     else:
         head = f"{who}: {told.get('phase', '?')}"
     lines = [head]
@@ -41,7 +41,7 @@ def in_words(standing: Standing) -> str:
         value = told.get(label)
         if value:
             lines.append(f"  {label:{LABEL}} {value}")
-    said = standing.told.get("notes")
+    said = status.told.get("notes")
     notes = [_plain(note) for note in said[:NOTES_MAX]] if isinstance(said, list) else []
     lines += [f"  {'said' if i == 0 else '':{LABEL}} {note}" for i, note in enumerate(notes)]
     return "\n".join(lines)

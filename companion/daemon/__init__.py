@@ -8,5 +8,7 @@ signals     what Ctrl-C and its like do to a flight
 whereabouts where the vehicle is and what to do next, for whoever ended a flight by hand
 address     udpin://, udpout:// and serial:// -> a port to read and write
 progress    what a person watching sees
-standing    the same from another terminal
+status_file the same for other terminals
+priority    what of a batch of datagrams must be taken in first
+warm_up     the last tick once more, so that the caches are warm: rhythm says when
 """

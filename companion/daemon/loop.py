@@ -17,12 +17,12 @@ from collections.abc import Callable, Iterator
 from companion.daemon.conductor import Conductor
 from companion.daemon.last_resort import LastResort
 from companion.daemon.port import Port
-from companion.daemon.priority import parted
+from companion.daemon.priority import split_by_priority
 from companion.daemon.progress import about
 from companion.daemon.realtime import punctual
 from companion.daemon.rhythm import Rhythm
 from companion.daemon.scribe import DISK_PATIENCE, SCREEN_PATIENCE, Scribe, Teller
-from companion.daemon.status_file import Notice
+from companion.daemon.status_file import StatusFile
 from companion.daemon.systemd import Service
 from companion.daemon.warm_up import Rehearsal
 from companion.mavlink.peer import Received
@@ -52,7 +52,7 @@ def run(
     ``say`` takes lines for a person. NoVehicleError: none within ``wait_for_vehicle`` s.
     """
     with _undisturbed(), contextlib.closing(Service(os.environ)) as service:
-        notice = Notice(about(conductor.orders, port.describe(), recorder))
+        notice = StatusFile(about(conductor.orders, port.describe(), recorder))
         teller = Teller(conductor, notice, service, say, clock)
         scribe = None if recorder is None else Scribe(recorder, teller.lines, clock)
         try:
@@ -150,7 +150,7 @@ class _Flight:
         """What is taken in before the setpoint, and after it."""
         if self._port.stream:
             return batch, []
-        return parted(batch, self._conductor.decoder.wanted, self._conductor.link.peers.heard)
+        return split_by_priority(batch, self._conductor.decoder.wanted, self._conductor.link.peers.heard)
 
     def _next(self) -> list[Received]:
         """What arrives next; nothing, where something else is due first."""

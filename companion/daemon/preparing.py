@@ -16,7 +16,7 @@ from companion.mavlink.peer import source_words
 from companion.mavlink.telemetry import Telemetry
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
-from companion.places.standing import NotKnownError, Whereabouts, placed
+from companion.places.origins import NotKnownError, VehicleLocation, placed
 from companion.places.words import place_words
 from companion.plan import Plan, prepared
 from companion.vehicle import CompanionError, Landed, OutputLevel, Tuning, Vehicle, VehicleState
@@ -110,7 +110,7 @@ class Preparation:
             self._set(orders, self.choice, now)
             if not self.parameters.settled:
                 return None
-        where = self._whereabouts(state)
+        where = self._location(state)
         mission: Mission = placed(orders.mission, orders.origin, where)
         heights_agree(mission, where)
         self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
@@ -123,9 +123,9 @@ class Preparation:
         origin_n = mission.placement.origin_n
         return prepared(mission, vehicle, self.choice.level, origin_n, orders.duration, tuning, conduct, orders.learned)
 
-    def _whereabouts(self, state: VehicleState) -> Whereabouts:
+    def _location(self, state: VehicleState) -> VehicleLocation:
         home, origin = self.telemetry.home, self.telemetry.origin
-        return Whereabouts(
+        return VehicleLocation(
             state.p_n,
             self.telemetry.status.last.landed is Landed.ON_GROUND,
             None if origin is None else LocalFrame(*origin),
@@ -173,7 +173,7 @@ class Preparation:
         return 0.0 if self.heard_at is None else now - self.heard_at
 
 
-def heights_agree(mission: Mission, where: Whereabouts) -> None:
+def heights_agree(mission: Mission, where: VehicleLocation) -> None:
     """CompanionError: the mission's shape hangs on how high home lies, and the vehicle's lies at another height."""
     planned = mission.home
     if not mission.mixed_heights or planned is None or planned.altitude is None:

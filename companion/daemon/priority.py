@@ -12,7 +12,7 @@ from companion.mavlink.telemetry import ODOMETRY
 STATE_ID = ODOMETRY.id.to_bytes(3, "little")
 
 
-def parted(
+def split_by_priority(
     batch: Sequence[Received], wanted: Collection[int] | None, vehicle: Source | None
 ) -> tuple[list[Received], list[Received]]:
     """(now, later), each in the order of arrival. What came after the newest state can wait, and so can a message that

@@ -40,7 +40,7 @@ def about(orders: Orders, link: str, recorder: Recorder | None) -> dict[str, str
     }
 
 
-def standing(conductor: Conductor) -> dict[str, str | None]:
+def status_document(conductor: Conductor) -> dict[str, str | None]:
     """Where a flight stands, for another terminal."""
     status, plan = conductor.telemetry.status.last, conductor.plan
     phase = "waits for a vehicle" if conductor.link.identity is None else "learns about the vehicle"

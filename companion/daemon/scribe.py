@@ -12,9 +12,9 @@ from collections import deque
 from collections.abc import Callable
 
 from companion.daemon.conductor import Conductor
-from companion.daemon.progress import Watch, standing
+from companion.daemon.progress import Watch, status_document
 from companion.daemon.realtime import HELPER_PRIORITY, at_priority
-from companion.daemon.status_file import Notice
+from companion.daemon.status_file import StatusFile
 from companion.daemon.systemd import Service
 from companion.record.folder import Recorder
 
@@ -94,7 +94,7 @@ class Teller(Helper):
     def __init__(
         self,
         conductor: Conductor,
-        notice: Notice,
+        notice: StatusFile,
         service: Service,
         say: Callable[[str], None],
         clock: Callable[[], float],
@@ -102,7 +102,7 @@ class Teller(Helper):
         self.lines: deque[str] = deque(maxlen=LINES_WAITING)
         super().__init__("teller", self.lines, clock)
         self._conductor = conductor
-        self._notice = notice
+        self._status_file = notice
         self._service = service
         self._say = say
         self._noted: deque[str] = deque(maxlen=NOTES)
@@ -120,4 +120,4 @@ class Teller(Helper):
             self._service.status(line)
         if line is not None or now - self._noticed_at >= PROGRESS_PERIOD:
             self._noticed_at = now
-            self._notice.write({**standing(self._conductor), "progress": line, "notes": list(self._noted)})
+            self._status_file.write({**status_document(self._conductor), "progress": line, "notes": list(self._noted)})

@@ -42,7 +42,7 @@ SHARED = ("run/companion", "run/user/*/companion", f"{_temporary_directory()}/co
 """Where companions of other users leave theirs, seen from the root."""
 
 
-class Standing(NamedTuple):
+class FlightStatus(NamedTuple):
     """What one companion said last. ``age``: s since then. ``running``: whether its process is still there."""
 
     told: Mapping[str, Any]
@@ -50,7 +50,7 @@ class Standing(NamedTuple):
     running: bool
 
 
-class Notice:
+class StatusFile:
     """This process's own file. A directory that cannot be written to is no reason not to fly."""
 
     def __init__(self, about: Mapping[str, Any], environment: Mapping[str, str] = os.environ) -> None:
@@ -67,7 +67,7 @@ class Notice:
             self._file.unlink()
 
 
-def standings(environment: Mapping[str, str] = os.environ) -> list[Standing]:
+def read_statuses(environment: Mapping[str, str] = os.environ) -> list[FlightStatus]:
     """Every companion on this computer, the last one heard first; those that are no more are told once."""
     found = []
     for file, owner in _files(environment):
@@ -78,8 +78,8 @@ def standings(environment: Mapping[str, str] = os.environ) -> list[Standing]:
         if not running and owner == os.geteuid():
             with contextlib.suppress(OSError):
                 file.unlink()
-        found.append(Standing(told, max(0.0, time.time() - told["written_at"]), running))
-    return sorted(found, key=lambda standing: standing.age)
+        found.append(FlightStatus(told, max(0.0, time.time() - told["written_at"]), running))
+    return sorted(found, key=lambda status: status.age)
 
 
 def _own_directory(environment: Mapping[str, str]) -> Path:

@@ -6,7 +6,7 @@ limits       how much of each limit that uses
 geometry     limits of the path itself: bends, height, how it closes
 report       the answer: worst values, where, how fast at most
 words        .. for a person    document  .. as JSON    picture  .. to look at
-room         what is left of the limits at a speed
+headroom     what is left of the limits at a speed
 auto         `speed: auto` made into a speed
 fastest      .. how: the search
 arc_spline   a quintic spline over arc length, linear in its coefficients

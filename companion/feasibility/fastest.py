@@ -22,7 +22,7 @@ from scipy.sparse import csc_matrix, diags_array
 from scipy.sparse.linalg import splu
 
 from companion.feasibility.arc_spline import ArcSpline
-from companion.feasibility.room import SPEED_MIN, Room, TooSlowError
+from companion.feasibility.headroom import SPEED_MIN, Headroom, TooSlowError
 from companion.feasibility.stations import places, stations
 from companion.mission import Mission
 from companion.profiles import AutoSpeed, SpeedProfile, hermite
@@ -51,10 +51,10 @@ class Fastest:
 
     def __init__(self, mission: Mission, auto: AutoSpeed, vehicle: Vehicle, knot_time: float = KNOT_TIME) -> None:
         self._mission = mission
-        self._room = Room(vehicle, auto, None if mission.closed else (0.0, mission.table.length))
+        self._headroom = Headroom(vehicle, auto, None if mission.closed else (0.0, mission.table.length))
         self._everywhere = stations(mission, places(mission))
         s = self._everywhere.s
-        steady = self._room.steady(self._everywhere)
+        steady = self._headroom.steady(self._everywhere)
         passed = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (steady[1:] + steady[:-1]))])
         knots = max(KNOTS_MIN, math.ceil(passed[-1] / knot_time)) + 1
         self.spline = ArcSpline(
@@ -78,12 +78,12 @@ class Fastest:
         everywhere = self.spline.matrices(self._everywhere.s)
         for _ in range(LOWERINGS):
             alpha = speeds([matrix @ coefficients for matrix in everywhere])
-            if float(self._room.used(self._everywhere, alpha).max()) <= EXCESS_MAX:
+            if float(self._headroom.used(self._everywhere, alpha).max()) <= EXCESS_MAX:
                 break
             coefficients = coefficients * 0.997
         knots = self.spline.knots
         at_knots = speeds([matrix @ coefficients for matrix in self.spline.matrices(knots)])
-        return SpeedProfile(hermite(knots.tolist(), at_knots * self._room.auto.direction, self.spline.period))
+        return SpeedProfile(hermite(knots.tolist(), at_knots * self._headroom.auto.direction, self.spline.period))
 
     def first(self) -> Array:
         """Coefficients that keep every limit: the steady speed smoothed, and lowered where a limit is passed."""
@@ -133,7 +133,7 @@ class Fastest:
         return float(np.sum(self._ds / np.sqrt(self._matrices[0] @ coefficients)))
 
     def _used(self, coefficients: Array) -> Array:
-        return self._room.used(self._at, speeds([matrix @ coefficients for matrix in self._matrices]))
+        return self._headroom.used(self._at, speeds([matrix @ coefficients for matrix in self._matrices]))
 
     def _value(self, coefficients: Array, mu: float) -> float:
         if float((self._matrices[0] @ coefficients).min()) <= SPEED_MIN**2:
@@ -146,14 +146,14 @@ class Fastest:
     def _newton(self, coefficients: Array, mu: float) -> tuple[Array, csc_matrix]:
         """Gradient and curvature of the value; of the limits' own curvature nothing, they are nearly convex."""
         y = np.stack([matrix @ coefficients for matrix in self._matrices])
-        used = self._room.used(self._at, speeds(y))
+        used = self._headroom.used(self._at, speeds(y))
         left = 1.0 - used
         slopes = []
         for k in range(4):
             h = 1e-6 * y[0] / self._steady**k  # a change that takes about a second
             nudged = y.copy()
             nudged[k] += h
-            slopes.append((self._room.used(self._at, speeds(nudged)) - used) / h)
+            slopes.append((self._headroom.used(self._at, speeds(nudged)) - used) / h)
         pressed = np.stack(slopes) / left  # derivative x limit x place
         weight = mu * self._weight
         gradients = weight * pressed.sum(axis=1)

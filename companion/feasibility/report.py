@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from companion.feasibility import geometry
 from companion.feasibility.auto import flyable
 from companion.feasibility.demand import Demand, demand
+from companion.feasibility.headroom import SPEED_MIN, TooSlowError
 from companion.feasibility.limits import Limit, quantities, use_without_yaw, worst, worst_use
-from companion.feasibility.room import SPEED_MIN, TooSlowError
 from companion.feasibility.stations import Stations, places, stations
 from companion.frames import Vec3
 from companion.mission import GlobalOrigin, Mission

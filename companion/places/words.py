@@ -9,7 +9,7 @@ import numpy as np
 
 from companion.frames import Vec3
 from companion.mission import GlobalOrigin, Mission, Origin
-from companion.places.standing import PlaceError, Whereabouts, home_in, placed
+from companion.places.origins import PlaceError, VehicleLocation, home_in, placed
 
 SAMPLES = 2000
 LOW = 1.0
@@ -40,7 +40,7 @@ class _Reference:
     is_ground: bool
 
 
-def place_words(mission: Mission, default: Origin, where: Whereabouts | None = None) -> PlaceWords:
+def place_words(mission: Mission, default: Origin, where: VehicleLocation | None = None) -> PlaceWords:
     """Where ``mission`` runs: from what it counts from, or from a vehicle where one says ``where`` it is.
 
     ``default``: what the mission counts from where its file does not say. PlaceError: it cannot be placed there.
@@ -101,7 +101,7 @@ def _from_mission(mission: Mission, origin: Origin | GlobalOrigin) -> _Reference
     return _Reference(name, point, True)
 
 
-def _from_vehicle(mission: Mission, origin: Origin | GlobalOrigin, where: Whereabouts) -> _Reference:
+def _from_vehicle(mission: Mission, origin: Origin | GlobalOrigin, where: VehicleLocation) -> _Reference:
     if where.on_ground:
         return _Reference("the ground where the vehicle stands", where.p_n, True)
     try:

@@ -22,7 +22,7 @@ from companion.mavlink_common import (
     MAV_MISSION_TYPE_FENCE,
     MAV_MISSION_TYPE_MISSION,
 )
-from companion.places.standing import Whereabouts
+from companion.places.origins import VehicleLocation
 from companion.vehicle import CompanionError
 
 RATE_ASKED = 100.0
@@ -71,7 +71,7 @@ class ConnectedVehicle:
         telemetry.unsubscribe_odometry(handle)
         return arrived[0] / RATE_OVER
 
-    def whereabouts(self) -> Whereabouts:
+    def location(self) -> VehicleLocation:
         """Where it is. ServiceError: it does not know."""
         from mavsdk.plugins.telemetry import LandedState, Telemetry, TelemetryError
 
@@ -94,7 +94,7 @@ class ConnectedVehicle:
         if not math.isfinite(place.north_m):
             raise ServiceError("the vehicle does not know where it is; wait for its GPS")
         known = math.isfinite(home.latitude_deg)
-        return Whereabouts(
+        return VehicleLocation(
             (place.north_m, place.east_m, place.down_m),
             telemetry.landed_state() == LandedState.ON_GROUND,
             frame,

@@ -11,7 +11,7 @@ from companion.fence import Circle, Polygon
 from companion.geodesy import LocalFrame
 from companion.law.gains import Level
 from companion.mission import GlobalOrigin, Mission, Origin
-from companion.places.standing import Whereabouts, placed
+from companion.places.origins import VehicleLocation, placed
 
 HOME = (47.397742, 8.545594, 489.4)
 ZURICH = LocalFrame(*HOME)
@@ -46,7 +46,7 @@ def test_places_are_where_px4_would_put_them(frame: str, turn: str) -> None:
     mission = read(POINTS.format(frame=frame) + turn)
     assert mission.origin == GlobalOrigin(47.397742, 8.545594, 0.0, above_home=True)
     own = LocalFrame(47.39, 8.55, 480.0)
-    there = placed(mission, Origin.LOCAL, Whereabouts((0.0, 0.0, 0.0), frame=own, home=HOME))
+    there = placed(mission, Origin.LOCAL, VehicleLocation((0.0, 0.0, 0.0), frame=own, home=HOME))
     for latitude, longitude, height in ((47.397742, 8.545594, 10.0), (47.398, 8.5457, 12.0), (47.3981, 8.5462, 15.0)):
         assert there.table.locate(own.to_local(latitude, longitude, HOME[2] + height))[1] < 1e-3
     assert there.look_at is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Collection
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -11,11 +12,12 @@ import pytest
 
 from companion import pilot
 from companion.daemon import realtime
-from companion.daemon.priority import parted
+from companion.daemon.priority import split_by_priority
 from companion.daemon.rhythm import MARGIN, WATCH_MAX, Rhythm
 from companion.daemon.warm_up import Rehearsal
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
+from companion.mavlink.peer import LINE, Received
 from companion.mavlink.telemetry import WANTED
 from tests.support.flights import Flown, flight
 
@@ -116,14 +118,27 @@ def test_states_that_came_during_rehearsals_make_them_earlier() -> None:
 
 def test_what_the_setpoint_needs_goes_first() -> None:
     encoder = Encoder(1, 1)
-    state, mode, unread = (encoder.message(message(name)) for name in ("ODOMETRY", "CURRENT_MODE", "VFR_HUD"))
-    assert parted([mode, state, mode, unread], WANTED) == ([mode, state], [mode, unread])
-    assert parted([state, mode, state], WANTED) == ([state, mode, state], [])
-    assert parted([mode, unread], WANTED) == ([mode, unread], [])  # no state, no hurry
-    assert parted([unread, mode, state], WANTED) == ([mode, state], [unread])
-    assert parted([unread, mode, state], None) == ([unread, mode, state], [])
-    two = unread + mode  # what else may be in there is not known from the first bytes
-    assert parted([two, b"", b"\xfd", state], WANTED) == ([two, b"", b"\xfd", state], [])
+    frames = (encoder.message(message(name)) for name in ("ODOMETRY", "CURRENT_MODE", "VFR_HUD"))
+    state, mode, unread = ((frame, LINE) for frame in frames)
+
+    def split(batch: list[Received], wanted: Collection[int] | None = WANTED) -> tuple[list[Received], list[Received]]:
+        return split_by_priority(batch, wanted, LINE)
+
+    assert split([mode, state, mode, unread]) == ([mode, state], [mode, unread])
+    assert split([state, mode, state]) == ([state, mode, state], [])
+    assert split([mode, unread]) == ([mode, unread], [])  # no state, no hurry
+    assert split([unread, mode, state]) == ([mode, state], [unread])
+    assert split([unread, mode, state], None) == ([unread, mode, state], [])
+    two = (unread[0] + mode[0], LINE)  # what else may be in there is not known from the first bytes
+    empty, cut = (b"", LINE), (b"\xfd", LINE)
+    assert split([two, empty, cut, state]) == ([two, empty, cut, state], [])
+
+
+def test_another_source_can_wait() -> None:
+    state, mode = (Encoder(1, 1).message(message(name)) for name in ("ODOMETRY", "CURRENT_MODE"))
+    stranger = ("127.0.0.1", 9)
+    batch: list[Received] = [(mode, stranger), (state, LINE), (state, stranger)]
+    assert split_by_priority(batch, WANTED, LINE) == ([batch[1]], [batch[0], batch[2]])
 
 
 def test_a_rehearsal_leaves_no_trace() -> None:

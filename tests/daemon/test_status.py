@@ -16,7 +16,7 @@ import pytest
 from companion.cli.commands import main
 from companion.cli.status import in_words
 from companion.daemon import status_file
-from companion.daemon.status_file import Notice, Standing, standings
+from companion.daemon.status_file import FlightStatus, StatusFile, read_statuses
 
 pytestmark = pytest.mark.xdist_group("real time")
 
@@ -45,7 +45,7 @@ def test_nobody_is_running(own: Path, capsys: pytest.CaptureFixture[str], monkey
 
 
 def test_what_is_said_is_told(own: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    notice = Notice(ABOUT)
+    notice = StatusFile(ABOUT)
     notice.write({"phase": "follow", "mode": "Offboard, armed", "progress": "follow  4.0 s", "notes": ["one", "two"]})
     code, out = asked(capsys, monkeypatch)
     assert code == 0
@@ -68,20 +68,20 @@ def test_what_is_said_is_told(own: Path, capsys: pytest.CaptureFixture[str], mon
 def test_one_that_was_killed_is_told_once(own: Path) -> None:
     gone = subprocess.Popen([sys.executable, "-c", ""])
     gone.wait()
-    notice = Notice({**ABOUT, "pid": gone.pid})
+    notice = StatusFile({**ABOUT, "pid": gone.pid})
     notice.write({"phase": "follow"})
-    (told,) = standings()
+    (told,) = read_statuses()
     assert not told.running
     assert "ended without a word 0 s ago; look at the vehicle" in in_words(told)
-    assert standings() == []
+    assert read_statuses() == []
 
 
 def test_one_that_hangs_and_rubbish(own: Path) -> None:
-    Notice(ABOUT).write({"phase": "follow"})
+    StatusFile(ABOUT).write({"phase": "follow"})
     (own / "companion" / "7.json").write_text("{", encoding="utf-8")
     (own / "companion" / "8.json").write_text('{"pid": "x"}', encoding="utf-8")
-    (told,) = standings()
-    assert "has said nothing for 60 s; it hangs" in in_words(Standing(told.told, 60.0, True))
+    (told,) = read_statuses()
+    assert "has said nothing for 60 s; it hangs" in in_words(FlightStatus(told.told, 60.0, True))
 
 
 NOW = time.time()
@@ -100,30 +100,30 @@ NOW = time.time()
     ],
 )
 def test_a_file_that_no_companion_wrote_is_not_told(own: Path, told: object) -> None:
-    Notice(ABOUT).write({"phase": "follow"})
+    StatusFile(ABOUT).write({"phase": "follow"})
     (own / "companion" / "7.json").write_text(json.dumps(told), encoding="utf-8")
-    assert len(standings()) == 1
+    assert len(read_statuses()) == 1
 
 
 def test_a_link_or_a_pipe_among_them_is_left_alone(own: Path) -> None:
-    Notice(ABOUT).write({"phase": "follow"})
+    StatusFile(ABOUT).write({"phase": "follow"})
     elsewhere = own / "elsewhere.json"
     elsewhere.write_text(json.dumps({"pid": 2**22, "written_at": NOW}), encoding="utf-8")
     (own / "companion" / "7.json").symlink_to(elsewhere)
     os.mkfifo(own / "companion" / "8.json")
-    assert len(standings()) == 1
+    assert len(read_statuses()) == 1
     assert elsewhere.exists()
 
 
 def test_what_another_companion_says_is_data(own: Path) -> None:
     about = {**ABOUT, "mission": "\x1b[2Jcircle", "record": ["\x07"]}
-    Notice(about).write({"phase": "follow\nland", "notes": ["a\rb", 7, None], "mode": {"\x1b": 1}})
-    (told,) = standings()
+    StatusFile(about).write({"phase": "follow\nland", "notes": ["a\rb", 7, None], "mode": {"\x1b": 1}})
+    (told,) = read_statuses()
     text = in_words(told)
     assert all(line.isprintable() for line in text.splitlines())
     assert "\\x1b[2Jcircle on x500" in text and "follow\\nland" in text
-    assert "x" * 400 not in in_words(Standing({**told.told, "notes": ["x" * 1000] * 1000}, 0.0, True))
-    assert in_words(Standing({**told.told, "notes": 7}, 0.0, True))
+    assert "x" * 400 not in in_words(FlightStatus({**told.told, "notes": ["x" * 1000] * 1000}, 0.0, True))
+    assert in_words(FlightStatus({**told.told, "notes": 7}, 0.0, True))
 
 
 def test_a_system_without_a_temporary_directory_stops_no_flight(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -131,13 +131,13 @@ def test_a_system_without_a_temporary_directory_stops_no_flight(monkeypatch: pyt
         raise FileNotFoundError("No usable temporary directory found")
 
     monkeypatch.setattr(tempfile, "gettempdir", nowhere)
-    Notice(ABOUT, {}).remove()
+    StatusFile(ABOUT, {}).remove()
     assert status_file._temporary_directory() == "/tmp"
 
 
 def test_a_directory_that_cannot_be_written_to_stops_no_flight(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
-    notice = Notice(ABOUT, {"RUNTIME_DIRECTORY": str(tmp_path / "file")})
+    notice = StatusFile(ABOUT, {"RUNTIME_DIRECTORY": str(tmp_path / "file")})
     notice.write({"phase": "follow"})
     notice.remove()
 
@@ -149,10 +149,10 @@ def test_a_flight_is_told_while_it_lasts_and_not_after(own: Path) -> None:
     )  # fmt: skip
     try:
         until = time.monotonic() + 60.0
-        while not any(s.told.get("progress") and s.told["phase"] == "follow" for s in standings()):
+        while not any(s.told.get("progress") and s.told["phase"] == "follow" for s in read_statuses()):
             assert flight.poll() is None and time.monotonic() < until
             time.sleep(0.1)
-        (told,) = standings()
+        (told,) = read_statuses()
         assert told.told["mission"] == "circle-r5"
         assert told.told["mode"] == "Offboard, armed"
         assert "path error" in told.told["progress"]
@@ -160,4 +160,4 @@ def test_a_flight_is_told_while_it_lasts_and_not_after(own: Path) -> None:
     finally:
         flight.send_signal(signal.SIGINT)
         flight.wait(30.0)
-    assert standings() == []
+    assert read_statuses() == []

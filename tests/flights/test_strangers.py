@@ -15,7 +15,7 @@ from companion.config.vehicle import load_vehicle
 from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
-from companion.daemon.progress import standing
+from companion.daemon.progress import status_document
 from companion.law.gains import Level
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
@@ -61,7 +61,7 @@ def test_another_port_changes_not_one_setpoint(system: int, component: int) -> N
     assert same(spoken, flight(duration=3.0))
     assert spoken.conductor.link.peers.foreign > 100
     assert "endpoint 7" in spoken.conductor.link.peers.words()[0]
-    assert "endpoint 7" in str(standing(spoken.conductor)["others"])
+    assert "endpoint 7" in str(status_document(spoken.conductor)["others"])
     assert any("endpoint 7" in note for note in notes_of_the_link(spoken.conductor))
 
 

@@ -12,11 +12,11 @@ from companion.config.syntax.document import parse
 from companion.geodesy import LocalFrame, MapProjection
 from companion.law.gains import Level
 from companion.mission import GlobalOrigin, Mission, Origin
-from companion.places.standing import PlaceError, Whereabouts, home_in, origin_in, placed
+from companion.places.origins import PlaceError, VehicleLocation, home_in, origin_in, placed
 from companion.places.words import place_words
 
 ZURICH = LocalFrame(47.397742, 8.545594, 489.4)
-STANDING = Whereabouts((12.0, -3.0, -0.2), on_ground=True)
+STANDING = VehicleLocation((12.0, -3.0, -0.2), on_ground=True)
 
 
 def circle(origin: str = "", frame: str = "ned") -> Mission:
@@ -28,21 +28,23 @@ def circle(origin: str = "", frame: str = "ned") -> Mission:
 def test_local_takeoff_and_home() -> None:
     assert origin_in(Origin.LOCAL, STANDING) == (0.0, 0.0, 0.0)
     assert origin_in(Origin.TAKEOFF, STANDING) == STANDING.p_n
-    assert origin_in(Origin.HOME, Whereabouts((0.0, 0.0, 0.0), home_n=(4.0, 5.0, 1.0))) == (4.0, 5.0, 1.0)
+    assert origin_in(Origin.HOME, VehicleLocation((0.0, 0.0, 0.0), home_n=(4.0, 5.0, 1.0))) == (4.0, 5.0, 1.0)
 
 
 def test_home_as_a_place_on_the_earth_wins_over_its_old_coordinates() -> None:
     home = ZURICH.to_global((30.0, 40.0, 2.0))
-    assert home_in(Whereabouts((0.0, 0.0, 0.0), frame=ZURICH, home=home)) == pytest.approx((30.0, 40.0, 2.0), abs=1e-6)
-    near = Whereabouts((0.0, 0.0, 0.0), frame=ZURICH, home=home, home_n=(30.0, 41.0, 2.0))
+    assert home_in(VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH, home=home)) == pytest.approx(
+        (30.0, 40.0, 2.0), abs=1e-6
+    )
+    near = VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH, home=home, home_n=(30.0, 41.0, 2.0))
     assert home_in(near) == pytest.approx((30.0, 40.0, 2.0), abs=1e-6)
     with pytest.raises(PlaceError, match="two ways that are 50 m apart"):
-        home_in(Whereabouts((0.0, 0.0, 0.0), frame=ZURICH, home=home, home_n=(0.0, 0.0, 2.0)))
+        home_in(VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH, home=home, home_n=(0.0, 0.0, 2.0)))
 
 
 def test_a_place_on_the_earth_needs_the_vehicles_frame() -> None:
     origin = GlobalOrigin(*ZURICH.to_global((100.0, 200.0, -7.0)))
-    where = Whereabouts((0.0, 0.0, 0.0), frame=ZURICH)
+    where = VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH)
     assert origin_in(origin, where) == pytest.approx((100.0, 200.0, -7.0), abs=1e-6)
     with pytest.raises(PlaceError, match="GPS_GLOBAL_ORIGIN"):
         origin_in(origin, STANDING)
@@ -51,7 +53,7 @@ def test_a_place_on_the_earth_needs_the_vehicles_frame() -> None:
 def test_an_altitude_above_home() -> None:
     home = ZURICH.to_global((30.0, 40.0, 2.0))
     latitude, longitude, _ = ZURICH.to_global((100.0, 200.0, 0.0))
-    where = Whereabouts((0.0, 0.0, 0.0), frame=ZURICH, home=home)
+    where = VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH, home=home)
     origin = GlobalOrigin(latitude, longitude, 15.0, above_home=True)
     assert origin_in(origin, where) == pytest.approx((100.0, 200.0, -13.0), abs=1e-6)  # 15 m above 2 m below
 
@@ -59,14 +61,14 @@ def test_an_altitude_above_home() -> None:
 @pytest.mark.parametrize(
     ("origin", "where", "said"),
     [
-        (Origin.TAKEOFF, Whereabouts((0.0, 0.0, -5.0), on_ground=False), "needs a vehicle on the ground"),
-        (Origin.TAKEOFF, Whereabouts((0.0, 0.0, -5.0)), "needs a vehicle on the ground"),
+        (Origin.TAKEOFF, VehicleLocation((0.0, 0.0, -5.0), on_ground=False), "needs a vehicle on the ground"),
+        (Origin.TAKEOFF, VehicleLocation((0.0, 0.0, -5.0)), "needs a vehicle on the ground"),
         (Origin.HOME, STANDING, "home is not known"),
-        (GlobalOrigin(48.5, 9.0, 300.0), Whereabouts((0.0, 0.0, 0.0), frame=ZURICH), "127 km from the vehicle"),
-        (GlobalOrigin(47.4, 8.5, 9.0, True), Whereabouts((0.0, 0.0, 0.0), frame=ZURICH), "home is not known"),
+        (GlobalOrigin(48.5, 9.0, 300.0), VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH), "127 km from the vehicle"),
+        (GlobalOrigin(47.4, 8.5, 9.0, True), VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH), "home is not known"),
     ],
 )
-def test_what_is_not_known_is_said(origin: Origin | GlobalOrigin, where: Whereabouts, said: str) -> None:
+def test_what_is_not_known_is_said(origin: Origin | GlobalOrigin, where: VehicleLocation, said: str) -> None:
     with pytest.raises(PlaceError, match=said):
         origin_in(origin, where)
 
@@ -83,7 +85,7 @@ def test_a_mission_far_from_the_frames_origin_lies_where_px4_would_put_it() -> N
     for frame in ("ned", "enu"):
         own = LocalFrame(*ZURICH.to_global((5000.0, 6000.0, -3.0)))
         mission = circle(f"origin: [{own.latitude}, {own.longitude}, {own.altitude}]", frame)
-        moved = placed(mission, Origin.LOCAL, Whereabouts((0.0, 0.0, 0.0), frame=ZURICH))
+        moved = placed(mission, Origin.LOCAL, VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH))
         for _ in range(20):
             point = (rng.uniform(-500.0, 500.0), rng.uniform(-500.0, 500.0), rng.uniform(-50.0, 0.0))
             there = ZURICH.to_local(*own.to_global(point))
@@ -138,11 +140,11 @@ def test_words_for_a_path_under_the_ground() -> None:
 
 def test_words_for_a_path_from_a_vehicle() -> None:
     mission = path("from: [0, 0, -10], to: [50, 0, -10]", origin="origin: local")
-    words = place_words(mission, Origin.LOCAL, Whereabouts((-20.0, 0.0, 2.0), on_ground=True))
+    words = place_words(mission, Origin.LOCAL, VehicleLocation((-20.0, 0.0, 2.0), on_ground=True))
     assert words.lines[0] == "the path runs 12.0 m above the ground where the vehicle stands"
     assert words.lines[1] == "it begins 12.0 m up, 20 m north of that point"
-    assert "local frame" in place_words(mission, Origin.LOCAL, Whereabouts((0.0, 0.0, -5.0))).lines[0]
-    flying = Whereabouts((0.0, 0.0, -5.0), on_ground=False, home_n=(0.0, 0.0, 3.0))
+    assert "local frame" in place_words(mission, Origin.LOCAL, VehicleLocation((0.0, 0.0, -5.0))).lines[0]
+    flying = VehicleLocation((0.0, 0.0, -5.0), on_ground=False, home_n=(0.0, 0.0, 3.0))
     assert place_words(mission, Origin.LOCAL, flying).lines[0] == "the path runs 13.0 m above home"
     far = place_words(path("from: [3000, 0, -10], to: [3050, 0, -10]"), Origin.TAKEOFF, STANDING)
     assert "3.0 km away" in far.warnings[0]
@@ -155,7 +157,7 @@ def test_words_for_a_place_on_the_earth() -> None:
         == "the path runs 10.0 m above the mission's origin (47.400000, 8.500000, 490.0 m above sea level)"
     )
     assert words.lines[1] == "that is 500.0 m above sea level"
-    where = Whereabouts((0.0, 0.0, 0.0), True, LocalFrame(47.4, 8.5, 495.0))
+    where = VehicleLocation((0.0, 0.0, 0.0), True, LocalFrame(47.4, 8.5, 495.0))
     words = place_words(circle("origin: [47.4, 8.5, 490]"), Origin.TAKEOFF, where)
     assert words.lines[:2] == (
         "the path runs 5.0 m above the ground where the vehicle stands",

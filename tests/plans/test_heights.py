@@ -17,7 +17,7 @@ from companion.daemon.preparing import heights_agree
 from companion.feasibility.report import ground_under
 from companion.geodesy import NOTHING_TOLD, HomeTold
 from companion.mission import Mission
-from companion.places.standing import NotKnownError, Whereabouts
+from companion.places.origins import NotKnownError, VehicleLocation
 from companion.vehicle import CompanionError
 from companion.world import Home, World
 from tests.cli.test_export import run
@@ -52,12 +52,12 @@ def test_a_relative_take_off_leaves_heights_above_the_sea_alone(tmp_path: Path) 
 
 def test_a_vehicle_whose_home_lies_elsewhere_is_told_of(tmp_path: Path) -> None:
     mission = read(tmp_path, take_off(16), waypoint(30, 0, 504, frame=0))
-    heights_agree(mission, Whereabouts((0.0, 0.0, 0.0), home=(*HERE, 488.5)))
+    heights_agree(mission, VehicleLocation((0.0, 0.0, 0.0), home=(*HERE, 488.5)))
     with pytest.raises(CompanionError, match=r"--home 47\.3977420,8\.5455940,468\.0"):
-        heights_agree(mission, Whereabouts((0.0, 0.0, 0.0), home=(*HERE, 468.0)))
+        heights_agree(mission, VehicleLocation((0.0, 0.0, 0.0), home=(*HERE, 468.0)))
     with pytest.raises(NotKnownError, match="has not set one"):
-        heights_agree(mission, Whereabouts((0.0, 0.0, 0.0)))
-    heights_agree(read(tmp_path, take_off(16), waypoint(30, 0, 20)), Whereabouts((0.0, 0.0, 0.0)))
+        heights_agree(mission, VehicleLocation((0.0, 0.0, 0.0)))
+    heights_agree(read(tmp_path, take_off(16), waypoint(30, 0, 20)), VehicleLocation((0.0, 0.0, 0.0)))
 
 
 @pytest.mark.parametrize("home", [None, [0, 0, 0], [*HERE, 0], [*HERE, None], list(HERE)])

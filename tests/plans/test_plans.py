@@ -28,7 +28,7 @@ from companion.mavlink.dialect import message
 from companion.mission import GlobalOrigin, Mission, Origin
 from companion.paths.curve import Curve
 from companion.paths.polyline import polyline
-from companion.places.standing import Whereabouts, placed
+from companion.places.origins import VehicleLocation, placed
 from companion.plans.items import Plan
 from companion.plans.route import Waypoint, route
 from companion.plans.scan import grown
@@ -70,7 +70,7 @@ def test_a_square_is_flown_where_it_was_drawn(tmp_path: Path) -> None:
     assert mission.notes == ()
     # in the frame of a vehicle whose estimator started 2 km away, each waypoint is where PX4 would put it
     own = LocalFrame(HOME[0] + 1500 * NORTH, HOME[1] - 1300 * EAST, 450.0)
-    there = placed(mission, Origin.LOCAL, Whereabouts((0.0, 0.0, 0.0), frame=own, home=HOME))
+    there = placed(mission, Origin.LOCAL, VehicleLocation((0.0, 0.0, 0.0), frame=own, home=HOME))
     for given in SQUARE:
         latitude, longitude, height = given["params"][4:7]
         expected = own.to_local(latitude, longitude, HOME[2] + height)

@@ -16,9 +16,9 @@ from companion.config.syntax.document import parse
 from companion.config.syntax.faults import ConfigError
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.demand import demand
+from companion.feasibility.headroom import ACCELERATION, END_SPEED
 from companion.feasibility.limits import quantities
 from companion.feasibility.report import check
-from companion.feasibility.room import ACCELERATION, END_SPEED
 from companion.feasibility.stations import stations
 from companion.frames import wrap
 from companion.mission import Mission

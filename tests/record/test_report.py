@@ -225,11 +225,11 @@ def test_while_the_pilot_has_it_nothing_is_followed_and_nothing_is_late(flown: P
     for clock in ("t_boot", "now"):
         table[clock][middle:] += 6.0
     table["speed"][middle : middle + 100] = 0.0  # from a hover again
-    parted = summary(plan, table, None, 1.0, "completed", None, None)
-    assert parted["loop"]["gap_max_ms"] == pytest.approx(whole["loop"]["gap_max_ms"])
-    assert parted["follow"]["duration_s"] == pytest.approx(whole["follow"]["duration_s"], abs=0.1)
-    assert parted["follow"]["speed_error_mps"]["max"] > 1.9
-    assert parted["settled"]["speed_error_mps"]["max"] <= whole["settled"]["speed_error_mps"]["max"]
+    interrupted = summary(plan, table, None, 1.0, "completed", None, None)
+    assert interrupted["loop"]["gap_max_ms"] == pytest.approx(whole["loop"]["gap_max_ms"])
+    assert interrupted["follow"]["duration_s"] == pytest.approx(whole["follow"]["duration_s"], abs=0.1)
+    assert interrupted["follow"]["speed_error_mps"]["max"] > 1.9
+    assert interrupted["settled"]["speed_error_mps"]["max"] <= whole["settled"]["speed_error_mps"]["max"]
 
 
 def test_a_killed_flight_is_told_from_its_record(copy: Path) -> None:

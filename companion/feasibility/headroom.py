@@ -32,7 +32,7 @@ class TooSlowError(CompanionError):
 
 
 @dataclass(frozen=True)
-class Room:
+class Headroom:
     """The limits of ``vehicle`` along one path, as ``auto`` is told to keep them. ``ends``: m, where an open path
     begins and ends; None where it goes round."""
 

@@ -30,7 +30,7 @@ class NotKnownError(PlaceError):
 
 
 @dataclass(frozen=True, slots=True)
-class Whereabouts:
+class VehicleLocation:
     """What a vehicle says of where it is; None where it has not said.
 
     ``p_n``: its position in its local frame, m. ``on_ground``: whether it stands. ``frame``: where its local frame
@@ -45,7 +45,7 @@ class Whereabouts:
     home_n: Vec3 | None = None
 
 
-def placed(mission: Mission, default: Origin, where: Whereabouts) -> Mission:
+def placed(mission: Mission, default: Origin, where: VehicleLocation) -> Mission:
     """The mission in the local frame of a vehicle. ``default``: what it counts from where its file does not say.
     PlaceError: that is not known, in words for the pilot."""
     origin = mission.origin or default
@@ -57,7 +57,7 @@ def placed(mission: Mission, default: Origin, where: Whereabouts) -> Mission:
     return mission.placed(origin_n, turn)
 
 
-def origin_in(origin: Origin | GlobalOrigin, where: Whereabouts) -> Vec3:
+def origin_in(origin: Origin | GlobalOrigin, where: VehicleLocation) -> Vec3:
     """The origin of a mission in the local frame of a vehicle, m. PlaceError: it is not known."""
     if isinstance(origin, GlobalOrigin):
         origin_n = _on_earth(origin, where)
@@ -75,7 +75,7 @@ def origin_in(origin: Origin | GlobalOrigin, where: Whereabouts) -> Vec3:
     return origin_n
 
 
-def home_in(where: Whereabouts) -> Vec3:
+def home_in(where: VehicleLocation) -> Vec3:
     """The vehicle's home in its local frame, m. PlaceError: it is not known."""
     told = where.home_n
     if where.frame is None or where.home is None:
@@ -92,7 +92,7 @@ def home_in(where: Whereabouts) -> Vec3:
     return home_n
 
 
-def _on_earth(origin: GlobalOrigin, where: Whereabouts) -> Vec3:
+def _on_earth(origin: GlobalOrigin, where: VehicleLocation) -> Vec3:
     if where.frame is None:
         message = "the mission counts from a place on the earth, and the vehicle has not said where its local frame is"
         raise NotKnownError(f"{message} (GPS_GLOBAL_ORIGIN); wait for its GPS, or name another origin")
