@@ -226,7 +226,7 @@ def clients(directory: Path) -> list[Client]:
     def companion(vehicle: str, *output: str) -> Callable[[int, Path], list[str]]:
         return lambda port, folder: [
             python, "-m", "companion", "fly", str(mission), "--vehicle", vehicle, "--output", *output,
-            "--connect", f"udpin://127.0.0.1:{port}", "--record", str(folder / "flight"),
+            "--connect", f"udpin://127.0.0.1:{port}", "--record", str(folder / f"flight-{port}"),
         ]  # fmt: skip
 
     found = [
