@@ -1,107 +1,12 @@
-"""The nouns every room shares: the vehicle as it is, the state it is in, what it is told to do.
-
-SI units and radians; world frame NED (``_n``), body frame FRD (``_b``).
-"""
+"""The state a vehicle is in, and what it says of itself."""
 
 from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, TypeVar
 
 from companion.frames import Matrix3, Quaternion, Vec3, rotation_matrix
-
-GRAVITY = 9.80665
-"""m/s^2, the standard value and PX4's own."""
-
-
-class CompanionError(Exception):
-    """The base of every error this project raises on purpose."""
-
-
-class Spin(enum.Enum):
-    """The sense of a rotor's turning, seen from above."""
-
-    CCW = "ccw"
-    CW = "cw"
-
-    @property
-    def reaction(self) -> float:
-        """The sign of the torque about body z (down) that the rotor's drag puts on the frame.
-
-        A rotor turning counter-clockwise seen from above pushes the frame clockwise seen from above, which is positive
-        about an axis that points down.
-        """
-        return 1.0 if self is Spin.CCW else -1.0
-
-
-@dataclass(frozen=True, slots=True)
-class Rotor:
-    """One rotor: where it sits, which way it turns, what a command gives.
-
-    ``position_b``: m, FRD from the centre of mass. ``thrust_max``: N at command 1 (thrust is linear in the command).
-    ``torque_per_thrust``: m, reaction torque over thrust, the paper's 1/c. ``command``: the range of commands it takes.
-    """
-
-    position_b: Vec3
-    spin: Spin
-    thrust_max: float
-    torque_per_thrust: float
-    command: tuple[float, float] = (0.0, 1.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What the vehicle may be asked for: tilt (rad), body rates (rad/s), speed (m/s). ``failure_detector``: rad of tilt
-    at which its autopilot ends the flight (PX4's FD_FAIL_R and FD_FAIL_P)."""
-
-    tilt: float = math.radians(45.0)
-    body_rates: Vec3 = (math.radians(220.0), math.radians(220.0), math.radians(85.0))
-    speed: float = 12.0
-    failure_detector: float = math.radians(60.0)
-
-
-class MotorInterface(enum.Enum):
-    """Who mixes: ``PX4`` takes rates or attitudes and mixes itself; ``DIRECT`` takes motor commands."""
-
-    PX4 = "px4"
-    DIRECT = "direct"
-
-
-@dataclass(frozen=True, slots=True)
-class Vehicle:
-    """A quadrotor as its vehicle file describes it.
-
-    ``mass`` kg, ``inertia`` the diagonal of J in kg m^2, ``gravity`` m/s^2, ``rotors`` in the autopilot's motor order,
-    ``motor_lag`` s, ``drag`` 1/s (linear drag over mass), ``hover_thrust`` normalised or None to learn it,
-    ``rate_loop_lag`` and ``link_delay`` s, ``state_rate`` Hz (how often it can stream its state), ``limits`` None where
-    the bare mathematics is wanted.
-    """
-
-    name: str
-    mass: float
-    inertia: Vec3
-    rotors: tuple[Rotor, ...]
-    gravity: float = GRAVITY
-    motor_lag: float = 0.0
-    drag: float = 0.0
-    hover_thrust: float | None = None
-    rate_loop_lag: float = 0.06
-    link_delay: float = 0.01
-    motors: MotorInterface = MotorInterface.PX4
-    state_rate: float = 250.0
-    limits: Limits | None = field(default_factory=Limits)
-
-    @property
-    def weight(self) -> float:
-        """N."""
-        return self.mass * self.gravity
-
-    @property
-    def thrust_max(self) -> float:
-        """N, all rotors at the top of their command range."""
-        return sum(rotor.thrust_max * rotor.command[1] for rotor in self.rotors)
 
 
 class VehicleState(NamedTuple):
@@ -295,34 +200,3 @@ class FrameOrigin(NamedTuple):
     latitude: float
     longitude: float
     altitude: float
-
-
-class OutputLevel(enum.Enum):
-    """The kind of setpoint the law goes out as."""
-
-    MOTORS = "motors"
-    RATES = "rates"
-    ATTITUDE = "attitude"
-
-
-class MotorSetpoint(NamedTuple):
-    """Commands to the rotors in motor order, each inside its rotor's command range."""
-
-    commands: tuple[float, ...]
-
-
-class RateSetpoint(NamedTuple):
-    """Body rates (rad/s, FRD) and collective thrust (0..1, up)."""
-
-    rates_b: Vec3
-    thrust: float
-
-
-class AttitudeSetpoint(NamedTuple):
-    """Attitude (body to world) and collective thrust (0..1, up)."""
-
-    q_nb: Quaternion
-    thrust: float
-
-
-Setpoint = MotorSetpoint | RateSetpoint | AttitudeSetpoint

@@ -1,0 +1,39 @@
+"""What a vehicle is told to do."""
+
+from __future__ import annotations
+
+import enum
+from typing import NamedTuple
+
+from companion.frames import Quaternion, Vec3
+
+
+class OutputLevel(enum.Enum):
+    """The kind of setpoint the law goes out as."""
+
+    MOTORS = "motors"
+    RATES = "rates"
+    ATTITUDE = "attitude"
+
+
+class MotorSetpoint(NamedTuple):
+    """Commands to the rotors in motor order, each inside its rotor's command range."""
+
+    commands: tuple[float, ...]
+
+
+class RateSetpoint(NamedTuple):
+    """Body rates (rad/s, FRD) and collective thrust (0..1, up)."""
+
+    rates_b: Vec3
+    thrust: float
+
+
+class AttitudeSetpoint(NamedTuple):
+    """Attitude (body to world) and collective thrust (0..1, up)."""
+
+    q_nb: Quaternion
+    thrust: float
+
+
+Setpoint = MotorSetpoint | RateSetpoint | AttitudeSetpoint
