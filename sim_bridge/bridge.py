@@ -95,14 +95,9 @@ class Bridge:
             )
             raise ValueError(f"{message}; expected it to be able to fly")
         self.autopilot = Autopilot(
-            self.plant.vehicle,
-            world.home,
-            self.step_s,
-            self._sensors.observe(self.plant.truth),
-            self.plant.truth,
-            direct=self.direct,
-            pack=world.battery,
-        )
+            self.plant.vehicle, world.home, self.step_s, self._sensors.observe(self.plant.truth), self.plant.truth,
+            direct=self.direct, pack=world.battery,
+        )  # fmt: skip
         self._held = False
         if not landed:
             self._begin_in_flight(start or HOVER, world)

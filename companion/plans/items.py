@@ -10,6 +10,14 @@ from companion.fence import Circle, Fence, Polygon
 from companion.frames import Vec3
 from companion.geodesy import Home, LocalFrame
 from companion.mavlink_common import (
+    MAV_CMD_NAV_LOITER_TIME,
+    MAV_CMD_NAV_LOITER_TO_ALT,
+    MAV_CMD_NAV_LOITER_TURNS,
+    MAV_CMD_NAV_LOITER_UNLIM,
+    MAV_CMD_NAV_SPLINE_WAYPOINT,
+    MAV_CMD_NAV_VTOL_LAND,
+    MAV_CMD_NAV_VTOL_TAKEOFF,
+    MAV_CMD_NAV_WAYPOINT,
     MAV_FRAME_GLOBAL,
     MAV_FRAME_GLOBAL_INT,
     MAV_FRAME_GLOBAL_RELATIVE_ALT,
@@ -24,6 +32,20 @@ Key = tuple[str | int, ...]
 AMSL_FRAMES = frozenset({MAV_FRAME_GLOBAL, MAV_FRAME_GLOBAL_INT})
 RELATIVE_FRAMES = frozenset({MAV_FRAME_GLOBAL_RELATIVE_ALT, MAV_FRAME_GLOBAL_RELATIVE_ALT_INT})
 TERRAIN_FRAMES = frozenset({MAV_FRAME_GLOBAL_TERRAIN_ALT, MAV_FRAME_GLOBAL_TERRAIN_ALT_INT})
+
+MOVES = frozenset(
+    {
+        MAV_CMD_NAV_WAYPOINT,
+        MAV_CMD_NAV_LOITER_UNLIM,
+        MAV_CMD_NAV_LOITER_TURNS,
+        MAV_CMD_NAV_LOITER_TIME,
+        MAV_CMD_NAV_LOITER_TO_ALT,
+        MAV_CMD_NAV_SPLINE_WAYPOINT,
+    }
+)
+"""Items that say where to fly and are flown as waypoints."""
+NOT_FOR_A_QUADROTOR = {MAV_CMD_NAV_VTOL_TAKEOFF: "a VTOL's take-off", MAV_CMD_NAV_VTOL_LAND: "a VTOL's landing"}
+"""In words."""
 
 
 class Place(NamedTuple):

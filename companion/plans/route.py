@@ -35,8 +35,6 @@ from companion.mavlink_common import (
     MAV_CMD_NAV_RETURN_TO_LAUNCH,
     MAV_CMD_NAV_SPLINE_WAYPOINT,
     MAV_CMD_NAV_TAKEOFF,
-    MAV_CMD_NAV_VTOL_LAND,
-    MAV_CMD_NAV_VTOL_TAKEOFF,
     MAV_CMD_NAV_WAYPOINT,
 )
 from companion.plans import items as c
@@ -44,18 +42,6 @@ from companion.plans.items import Item, Key, Place, Plan, PlanError, Problem
 
 STEPS_MAX = 200_000
 """Items executed, jumps and all."""
-MOVES = frozenset(
-    {
-        MAV_CMD_NAV_WAYPOINT,
-        MAV_CMD_NAV_LOITER_UNLIM,
-        MAV_CMD_NAV_LOITER_TURNS,
-        MAV_CMD_NAV_LOITER_TIME,
-        MAV_CMD_NAV_LOITER_TO_ALT,
-        MAV_CMD_NAV_SPLINE_WAYPOINT,
-    }
-)
-NOT_FOR_A_QUADROTOR = {MAV_CMD_NAV_VTOL_TAKEOFF: "a VTOL's take-off", MAV_CMD_NAV_VTOL_LAND: "a VTOL's landing"}
-"""MAV_CMD_NAV_LAST: commands below it say where to fly."""
 
 
 class Waypoint(NamedTuple):
@@ -145,7 +131,7 @@ class _Walk:
     def _executed(self, item: Item) -> bool:
         """Whether the route goes on after ``item``."""
         command = item.command
-        if command in MOVES:
+        if command in c.MOVES:
             self._moved(item)
             if command == MAV_CMD_NAV_LOITER_UNLIM:
                 self._note("the path ends where the plan loiters", item)
@@ -158,8 +144,8 @@ class _Walk:
         elif command == MAV_CMD_NAV_RETURN_TO_LAUNCH:
             self._note("the path ends where the plan returns home; the vehicle is handed back there, in Hold", item)
             return False
-        elif command in NOT_FOR_A_QUADROTOR:
-            self._problem(item, f"{NOT_FOR_A_QUADROTOR[command]} (command {command}) is not for a quadrotor")
+        elif command in c.NOT_FOR_A_QUADROTOR:
+            self._problem(item, f"{c.NOT_FOR_A_QUADROTOR[command]} (command {command}) is not for a quadrotor")
         elif command in _CHANGES:
             _CHANGES[command](self, item)
         elif command == MAV_CMD_NAV_PAYLOAD_PLACE or (command < MAV_CMD_NAV_LAST and command not in (80, 92)):

@@ -98,47 +98,50 @@ def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) ->
             return document.fault((*key, "kind"), f"{tag} is not known; expected {context['expected_tags']}")
         case "union_tag_not_found":
             return document.fault((*key, "kind"), f"missing; expected {expected or 'the kind'}")
-        case "greater_than":
-            wrong, wanted = "too small", f"more than {context['gt']:g}"
-        case "greater_than_equal":
-            wrong, wanted = "too small", f"at least {context['ge']:g}"
-        case "less_than":
-            wrong, wanted = (
-                f"too large{unit_hint(key, details['input'], context['lt'])}",
-                f"less than {context['lt']:g}",
-            )
-        case "less_than_equal":
-            wrong, wanted = f"too large{unit_hint(key, details['input'], context['le'])}", f"at most {context['le']:g}"
         case "too_short":
             wrong, wanted = f"{context['actual_length']} of them", f"at least {context['min_length']}"
             return document.fault(key, f"{wrong}; expected {wanted}{_also(expected)}")
         case "too_long":
             wrong, wanted = f"{context['actual_length']} of them", f"at most {context['max_length']}"
             return document.fault(key, f"{wrong}; expected {wanted}{_also(expected)}")
+    wrong, wanted = _wrong_and_wanted(key, details, context)
+    wanted_text = f"; expected {wanted}{_also(expected)}" if wanted else f"; expected {expected}" if expected else ""
+    return document.fault(key, f"{given} is {wrong}{wanted_text}")
+
+
+def _wrong_and_wanted(key: Key, details: ErrorDetails, context: dict[str, Any]) -> tuple[str, str]:
+    """What a value is, and what it should be."""
+    match details["type"]:
+        case "greater_than":
+            return "too small", f"more than {context['gt']:g}"
+        case "greater_than_equal":
+            return "too small", f"at least {context['ge']:g}"
+        case "less_than":
+            return f"too large{unit_hint(key, details['input'], context['lt'])}", f"less than {context['lt']:g}"
+        case "less_than_equal":
+            return f"too large{unit_hint(key, details['input'], context['le'])}", f"at most {context['le']:g}"
         case "finite_number":
-            wrong, wanted = "not finite", "a finite number"
+            return "not finite", "a finite number"
         case "float_type" | "float_parsing" | "int_type" | "int_from_float":
-            wrong, wanted = "not a number", "a number"
             if details["type"] == "int_from_float" or (
                 details["type"] == "int_type" and isinstance(details["input"], float)
             ):
-                wrong, wanted = "not a whole number", "a whole number"
+                return "not a whole number", "a whole number"
+            return "not a number", "a number"
         case "string_too_short":
-            wrong, wanted = "too short", "text"
+            return "too short", "text"
         case "string_too_long":
-            wrong, wanted = "too long", f"at most {context['max_length']} characters"
+            return "too long", f"at most {context['max_length']} characters"
         case "string_type":
-            wrong, wanted = "not text", "text"
+            return "not text", "text"
         case "bool_type":
-            wrong, wanted = "neither true nor false", "true or false"
+            return "neither true nor false", "true or false"
         case "list_type" | "tuple_type":
-            wrong, wanted = "not a list", "a list"
+            return "not a list", "a list"
         case "model_type" | "dict_type" | "model_attributes_type":
-            wrong, wanted = "not a mapping", "keys and values"
+            return "not a mapping", "keys and values"
         case _:
-            wrong, wanted = details["msg"].lower(), ""
-    wanted_text = f"; expected {wanted}{_also(expected)}" if wanted else f"; expected {expected}" if expected else ""
-    return document.fault(key, f"{given} is {wrong}{wanted_text}")
+            return details["msg"].lower(), ""
 
 
 def _also(expected: str) -> str:
