@@ -33,9 +33,9 @@ def line(begin: Vec3, end: Vec3) -> Curve:
     return polyline([begin, end], closed=False, tolerance=0.0)
 
 
-def polyline(points: Sequence[Vec3], closed: bool, tolerance: float) -> Curve:
-    """The legs between ``points``, each corner rounded so that the path passes it within ``tolerance`` m, and nearer
-    where the legs are short. ValueError: says which points cannot be joined."""
+def polyline(points: Sequence[Vec3], closed: bool, tolerance: float | Sequence[float]) -> Curve:
+    """The legs between ``points``, each corner rounded so that the path passes it within ``tolerance`` m (one for all,
+    or one each), and nearer where the legs are short. ValueError: says which points cannot be joined."""
     p = np.array(points, dtype=float)
     if closed and len(p) > 2 and np.linalg.norm(p[0] - p[-1]) < APART_MIN:
         p = p[:-1]
@@ -46,6 +46,7 @@ def polyline(points: Sequence[Vec3], closed: bool, tolerance: float) -> Curve:
     for same in np.flatnonzero(lengths < APART_MIN):
         raise ValueError(f"points {same + 1} and {(same + 1) % len(p) + 1} are the same")
     legs = ahead / lengths[:, None]
+    within = np.broadcast_to(np.asarray(tolerance, dtype=float), len(points))
     count = len(legs)
     corners = range(count) if closed else range(1, count)  # corner i is where leg i begins
     reach = np.zeros(count + 1)
@@ -54,7 +55,7 @@ def polyline(points: Sequence[Vec3], closed: bool, tolerance: float) -> Curve:
         if turn > TURN_MAX:
             raise ValueError(f"turns back on itself at point {i + 1}; expected a turn of less than 175 degrees")
         room = SPLIT * min(lengths[i - 1], lengths[i])
-        wanted = tolerance / (PHI[-1] * 2.0 * math.sin(0.5 * turn)) if turn > 1e-9 else 0.0
+        wanted = float(within[i]) / (PHI[-1] * 2.0 * math.sin(0.5 * turn)) if turn > 1e-9 else 0.0
         reach[i] = min(room, wanted)
     if closed:
         reach[count] = reach[0]

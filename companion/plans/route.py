@@ -48,13 +48,14 @@ class Waypoint(NamedTuple):
     """A point of the route, and the leg that leads to it.
 
     ``speed``: m/s on the leg, None for the plan's own. ``heading``: degrees clockwise from north on the leg, or a place
-    to face; None: along the leg.
+    to face; None: along the leg. ``number``: of its item.
     """
 
     place: Place
     speed: float | None
     heading: float | Place | None
     key: Key
+    number: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +122,8 @@ class _Walk:
             heading = self._facing(None) if first.heading is None else first.heading
             waypoints = [first._replace(speed=self._speed, heading=heading), *waypoints[self._closed_from + 1 :]]
         if len(waypoints) < (3 if closed else 2):
+            if not waypoints and self._plan.fence:
+                raise PlanError([Problem((), "it holds a fence, and no waypoints to fly")])
             found = "none" if not waypoints else "one" if len(waypoints) == 1 else f"{len(waypoints)} in a loop"
             raise PlanError(
                 [Problem(("mission", "items"), f"a path needs two waypoints (three in a loop), found {found}")]
@@ -164,7 +167,7 @@ class _Walk:
             self._note("loiters are flown through as waypoints", item)
         elif item.command == MAV_CMD_NAV_SPLINE_WAYPOINT:
             self._note("spline waypoints are flown as waypoints; say smooth: true for a smooth curve", item)
-        self._waypoints.append(Waypoint(place, self._speed, self._facing(item), item.key))
+        self._waypoints.append(Waypoint(place, self._speed, self._facing(item), item.key, item.number))
 
     def _took_off(self, item: Item) -> None:
         latitude, longitude, altitude = item.params[4:7]
@@ -176,7 +179,7 @@ class _Walk:
             item = item._replace(params=(*item.params[:4], home.latitude, home.longitude, altitude))
         place = self._place(item)
         if place is not None:
-            self._waypoints.append(Waypoint(place, self._speed, self._facing(None), item.key))
+            self._waypoints.append(Waypoint(place, self._speed, self._facing(None), item.key, item.number))
 
     def _landed(self, item: Item) -> None:
         self._note("the path ends above the landing place; the vehicle is handed back there, in Hold", item)
@@ -192,7 +195,7 @@ class _Walk:
         before = self._waypoints[-1].place
         if place is not None:
             above = place._replace(altitude=before.altitude, amsl=before.amsl)
-            self._waypoints.append(Waypoint(above, self._speed, self._facing(item), item.key))
+            self._waypoints.append(Waypoint(above, self._speed, self._facing(item), item.key, item.number))
 
     def _changed_speed(self, item: Item) -> None:
         kind, speed = item.params[0], item.params[1]
@@ -254,6 +257,8 @@ class _Walk:
 
     def _place(self, item: Item) -> Place | None:
         latitude, longitude, altitude = item.params[4:7]
+        if 180.0 < abs(longitude) <= 360.0:
+            longitude = math.remainder(longitude, 360.0)  # across the 180th meridian
         if item.frame in c.TERRAIN_FRAMES:
             self._problem(
                 item, "its altitude is over the terrain, which is not known here; expected one above home or sea"

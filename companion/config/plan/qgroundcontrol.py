@@ -172,7 +172,8 @@ class _Reader:
         given = root.get("geoFence")
         if not isinstance(given, dict) or given.get("version") == 1:
             return []  # an old plan's empty fence
-        self._version(given, ("geoFence", "version"), 2)
+        if given.get("polygons") or given.get("circles"):
+            self._version(given, ("geoFence", "version"), 2)
         areas = []
         for i, area in enumerate(self._list(given, ("geoFence", "polygons"))):
             key: Key = ("geoFence", "polygons", i)
@@ -235,7 +236,7 @@ class _Reader:
         return []
 
     def _version(self, holder: dict[str, Any], key: Key, known: int) -> None:
-        if holder.get("version") != known:
+        if holder.get("version", known) != known:
             self._fault(key, f"version {_shown(holder.get('version'))} is not known; expected {known}")
 
     def _fault(self, key: Key, message: str) -> None:

@@ -18,11 +18,20 @@ from companion.paths.tracing import PathError
 from companion.plans.items import Plan, PlanError
 
 SUFFIXES = (".plan", ".waypoints")
+BEGINS = b"QGC WPL"
+"""What a file of waypoints begins with."""
 
 
 def is_plan(name: str) -> bool:
-    """Whether a file is a plan and not a mission, by its name."""
-    return Path(name).suffix.lower() in SUFFIXES
+    """Whether a file is a plan and not a mission: by its name, or by its first line, for waypoint files are often
+    called .txt."""
+    if Path(name).suffix.lower() in SUFFIXES:
+        return True
+    try:
+        with Path(name).open("rb") as file:
+            return file.read(len(BEGINS) + 3).removeprefix(b"\xef\xbb\xbf").startswith(BEGINS)
+    except (OSError, ValueError):
+        return False
 
 
 def mission_text(plan: Path) -> str:

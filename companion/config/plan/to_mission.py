@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,9 @@ from companion.geodesy import Home, LocalFrame
 from companion.mission import GlobalOrigin
 from companion.paths.curve import Curve
 from companion.paths.placement import Placement
-from companion.paths.polyline import PHI, polyline
+from companion.paths.polyline import PHI, SPLIT, polyline
 from companion.paths.spline import SPACING, spline
+from companion.paths.tracing import LENGTH_MAX
 from companion.plans.items import Plan, PlanError, Problem, fence_in
 from companion.plans.route import Route, Waypoint, route
 from companion.profiles import AutoSpeed, Yaw
@@ -26,10 +27,14 @@ NO_HOME = (
 )
 HOVER_SPEED = 5.0
 """m/s, QGroundControl's own default, for plans that do not say."""
+FAR = 50_000.0
+"""m; a waypoint farther from the first is a mistake. PX4's own distance to a mission's first waypoint is less."""
 APART = 0.05
 """m; nearer waypoints are one."""
 RADIUS_MIN = 0.5
 """m; a rounded corner that bends tighter is flown as two."""
+LEFT_MIN = 0.1
+"""m of a tolerance that are left for rounding where two waypoints are flown as one."""
 BEND = 35.0 / 16.0
 """Twice the largest second derivative of ``polyline``'s blend."""
 HALF_LEG_MIN = 1.2
@@ -56,11 +61,13 @@ class Planned:
 
 @dataclass(frozen=True, slots=True)
 class Legs:
-    """``points``: north, east, down in m from the planned home. ``waypoints``: for each the leg that leads to it."""
+    """``points``: north, east, down in m from the planned home. ``waypoints``: for each the leg that leads to it.
+    ``tolerances``: m, how far from each the path may pass it."""
 
     points: list[Vec3]
     waypoints: list[Waypoint]
     closed: bool
+    tolerances: list[float] = field(default_factory=list)
 
 
 def planned(
@@ -75,11 +82,12 @@ def planned(
     if True in above_sea and home.altitude is None:
         raise PlanError([Problem(("mission", "plannedHomePosition"), NO_HOME)])
     frame = LocalFrame(home.latitude, home.longitude, home.altitude or 0.0)
-    legs = _apart(way, frame)
+    _near_enough(way, frame)
+    legs = merged(_apart(way, frame), tolerance)
     if not smooth:
-        legs = _turned_round(legs, tolerance)
+        legs = _turned_round(legs)
     points = [placement.to_mission(p) for p in legs.points]
-    curve = spline(points, legs.closed) if smooth else polyline(points, legs.closed, tolerance)
+    curve = spline(points, legs.closed) if smooth else polyline(points, legs.closed, legs.tolerances)
     curve = curve.placed(placement)
     arcs = _arcs(curve, legs, smooth)
     speeds = [w.speed or plan.speed or HOVER_SPEED for w in legs.waypoints]
@@ -109,6 +117,23 @@ def _notes(plan: Plan, way: Route, home: float) -> tuple[str, ...]:
     return tuple(notes)
 
 
+def _near_enough(way: Route, frame: LocalFrame) -> None:
+    """PlanError: names the item at which the path becomes longer than a path may be, or lies in another country."""
+    first = before = way.waypoints[0].place.seen_from(frame)
+    length = 0.0
+    for waypoint in way.waypoints:
+        point = waypoint.place.seen_from(frame)
+        length += math.dist(before, point)
+        away, before = math.dist(first, point), point
+        if away > FAR:
+            said = f"it lies {away / 1000.0:.0f} km from where the path begins; expected {FAR / 1000.0:g} at most"
+        elif length > LENGTH_MAX:
+            said = f"the path is {length / 1000.0:.0f} km long here; expected {LENGTH_MAX / 1000.0:g} at most"
+        else:
+            continue
+        raise PlanError([Problem(waypoint.key, f"item {waypoint.number}: {said}")])
+
+
 def _apart(way: Route, frame: LocalFrame) -> Legs:
     """The waypoints without those that only say the place of the one before again."""
     points: list[Vec3] = []
@@ -127,15 +152,79 @@ def _apart(way: Route, frame: LocalFrame) -> Legs:
     return Legs(points, kept, closed and len(points) > 2)
 
 
-def _turned_round(legs: Legs, tolerance: float) -> Legs:
-    """A corner too sharp to be rounded within ``tolerance`` m is flown as two, a short leg across it between them."""
+def merged(legs: Legs, tolerance: float) -> Legs:
+    """Waypoints nearer to each other than ``tolerance`` (m), which no vehicle could tell apart within it, as one in
+    their middle: as far from each as half of it at most, and the path passes that so much nearer. Of an open path the
+    ends are kept."""
+    groups: list[list[int]] = []
+    for i, point in enumerate(legs.points):
+        if groups:
+            first = legs.points[groups[-1][0]]
+            middle = [0.5 * (a + b) for a, b in zip(first, point, strict=True)]
+            if all(math.dist(legs.points[k], middle) < 0.5 * tolerance for k in (*groups[-1], i)):
+                groups[-1].append(i)
+                continue
+        groups.append([i])
+    if len(groups) < (3 if legs.closed else 2):
+        return replace(legs, tolerances=[tolerance] * len(legs.points))
+    points, tolerances = [], []
+    for k, group in enumerate(groups):
+        first, last = legs.points[group[0]], legs.points[group[-1]]
+        if not legs.closed and k in (0, len(groups) - 1):
+            kept = first if k == 0 else last
+        else:
+            kept = (0.5 * (first[0] + last[0]), 0.5 * (first[1] + last[1]), 0.5 * (first[2] + last[2]))
+        points.append(kept)
+        tolerances.append(tolerance - max(math.dist(legs.points[i], kept) for i in group))
+    merged_legs = Legs(points, [legs.waypoints[group[0]] for group in groups], legs.closed, tolerances)
+    while True:
+        pair = _too_near(merged_legs)
+        if pair is None:
+            return merged_legs
+        merged_legs = _joined(merged_legs, pair)
+
+
+def _too_near(legs: Legs) -> int | None:
+    """A corner that its short leg to the next leaves no room to be rounded, where the two can be flown as one: their
+    middle is within what is left of both tolerances."""
+    p = np.array(legs.points)
+    ahead = np.diff(p, axis=0)
+    lengths = np.linalg.norm(ahead, axis=1)
+    for i in range(1, len(p) - 2):
+        left = min(legs.tolerances[i], legs.tolerances[i + 1]) - 0.5 * lengths[i]
+        if left < LEFT_MIN:
+            continue
+        for before, after in ((i - 1, i), (i, i + 1)):
+            cosine = float(ahead[before] @ ahead[after] / (lengths[before] * lengths[after]))
+            half = 0.5 * math.acos(min(max(cosine, -1.0), 1.0))
+            room = SPLIT * min(lengths[before], lengths[after])
+            if room * math.cos(half) ** 2 < RADIUS_MIN * BEND * math.sin(half):
+                return i
+    return None
+
+
+def _joined(legs: Legs, i: int) -> Legs:
+    """With waypoint ``i`` and the next as one in their middle."""
+    (x, y, z), (u, v, w) = legs.points[i], legs.points[i + 1]
+    left = min(legs.tolerances[i], legs.tolerances[i + 1]) - 0.5 * math.dist(legs.points[i], legs.points[i + 1])
+    return Legs(
+        [*legs.points[:i], (0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)), *legs.points[i + 2 :]],
+        [*legs.waypoints[: i + 1], *legs.waypoints[i + 2 :]],
+        legs.closed,
+        [*legs.tolerances[:i], left, *legs.tolerances[i + 2 :]],
+    )
+
+
+def _turned_round(legs: Legs) -> Legs:
+    """A corner too sharp to be rounded within its tolerance is flown as two, a short leg across it between them."""
     p = np.array(legs.points)
     ahead = np.roll(p, -1, axis=0) - p
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1), 1e-9)[:, None]
     cosines = np.clip(np.sum(np.roll(ahead, 1, axis=0) * ahead, axis=1), -1.0, 1.0)
     # of the rounded corner of ``polyline`` at its tightest: tolerance / 0.598 / tan^2(turn/2)
-    radii = tolerance / (2.0 * PHI[-1]) / BEND * (1.0 + cosines) / np.maximum(1.0 - cosines, 1e-9)
-    half = max(tolerance, HALF_LEG_MIN)
+    tolerances = np.array(legs.tolerances)
+    radii = tolerances / (2.0 * PHI[-1]) / BEND * (1.0 + cosines) / np.maximum(1.0 - cosines, 1e-9)
+    kept: list[float] = []
     points: list[Vec3] = []
     waypoints: list[Waypoint] = []
     last = len(p) - 1
@@ -143,12 +232,15 @@ def _turned_round(legs: Legs, tolerance: float) -> Legs:
         if (not legs.closed and i in (0, last)) or radii[i] > RADIUS_MIN:
             points.append(point)
             waypoints.append(waypoint)
+            kept.append(legs.tolerances[i])
             continue
+        half = max(legs.tolerances[i], HALF_LEG_MIN)
         for sign in (-half, half):
             x, y, z = p[i] + sign * _across(ahead[i - 1], ahead[i])
             points.append((float(x), float(y), float(z)))
             waypoints.append(waypoint)
-    return replace(legs, points=points, waypoints=waypoints)
+            kept.append(legs.tolerances[i])
+    return replace(legs, points=points, waypoints=waypoints, tolerances=kept)
 
 
 def _across(before: Array, after: Array) -> Array:

@@ -9,14 +9,15 @@ from companion.config.syntax.document import Document
 from companion.config.syntax.faults import ConfigError, Fault, Key
 from companion.geodesy import Home
 from companion.mavlink_common import MAV_CMD_NAV_WAYPOINT
-from companion.plans.items import AMSL_FRAMES, Item, Plan
+from companion.plans.areas import areas_among
+from companion.plans.items import AMSL_FRAMES, Item, Plan, PlanError
 
 FAULTS_MAX = 50
 
 
 def is_waypoints(text: str, file: str) -> bool:
     """Whether a file is of this format, by its name or by its first line."""
-    return Path(file).suffix.lower() == ".waypoints" or text.startswith("QGC WPL")
+    return Path(file).suffix.lower() == ".waypoints" or text.removeprefix("\ufeff").startswith("QGC WPL")
 
 
 def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
@@ -31,7 +32,7 @@ def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
     for number, line in enumerate(lines[1:], 2):
         if not line.strip() or line.startswith("#"):
             continue
-        fields = line.split("\t") if "\t" in line else line.split()
+        fields = line.split()
         try:
             values = [float(field) for field in fields]
             index, command, frame = (int(fields[i]) for i in (0, 3, 2))
@@ -46,18 +47,22 @@ def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
         items.append(Item(command, frame, tuple(values[4:11]), index, key))
     if faults:
         raise ConfigError(faults[:FAULTS_MAX])
-    home = None
-    notes: tuple[str, ...] = ()
     first = items[0] if items else None
-    if (
-        header[2] == "110"
-        and first is not None
-        and first.command == MAV_CMD_NAV_WAYPOINT
-        and first.frame in AMSL_FRAMES
-    ):
-        place = (first.params[4], first.params[5], first.params[6])
-        known = place[:2] != (0.0, 0.0) and all(map(math.isfinite, place))
-        home = Home(place[0], place[1], place[2] or None) if known else None
+    home, notes = None, tuple[str, ...]()
+    if header[2] == "110" and first is not None and _is_home(first):
+        latitude, longitude, altitude = first.params[4:7]
+        known = (latitude, longitude) != (0.0, 0.0) and all(map(math.isfinite, first.params[4:7]))
+        home = Home(latitude, longitude, altitude or None) if known else None
         notes = ("the first line is taken for home, as QGroundControl does",)
         items = items[1:]
-    return Plan(tuple(items), home, notes=notes), Document(file, None, where)
+    document = Document(file, None, where)
+    try:
+        fence, items = areas_among(items)
+    except PlanError as error:
+        raise ConfigError([document.fault(problem.key, problem.message) for problem in error.problems]) from None
+    return Plan(tuple(items), home, fence=fence, notes=notes), document
+
+
+def _is_home(first: Item) -> bool:
+    """Whether the first item of a file stands for home: a waypoint above the sea, or on the ground."""
+    return first.command == MAV_CMD_NAV_WAYPOINT and (first.frame in AMSL_FRAMES or first.params[6] == 0.0)

@@ -1,0 +1,142 @@
+"""What other people's plans have in them, read as they meant it or refused with the reason."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from companion.config.mission.mission import load_mission
+from companion.config.plan.qgroundcontrol import plan_from
+from companion.config.plan.source import is_plan
+from companion.config.syntax.faults import ConfigError
+from companion.config.vehicle import load_vehicle
+from companion.feasibility.report import check
+from companion.frames import Vec3
+from companion.geodesy import LocalFrame
+from companion.mission import Mission
+from companion.plans.items import FenceArea
+from tests.support.plan_text import EAST, HOME, NORTH, plan, waypoint, written
+
+WPL = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t47.0\t8.0\t400\t1\n"
+SQUARE = (waypoint(0, 0, 10), waypoint(40, 0, 10), waypoint(40, 40, 10))
+
+
+def read(tmp_path: Path, *items: dict[str, Any], **more: Any) -> Mission:
+    return load_mission(str(written(tmp_path / "field.plan", *items, **more)), None)
+
+
+def strays(mission: Mission, *places: Vec3) -> float:
+    """m, the farthest that the path passes one of the places (north, east, up)."""
+    return max(mission.table.locate((north, east, -up))[1] for north, east, up in places)
+
+
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_waypoints_are_told_by_their_first_line(tmp_path: Path, mark: str) -> None:
+    file = tmp_path / "waypoints.txt"
+    file.write_text(f"{mark}{WPL}1\t0\t3\t16\t0 0\t0\t0\t47.0\t8.0\t10\t1\n2 0 3 16 0 0 0 0 47.0004 8.0 10.0 1\n")
+    assert is_plan(str(file))
+    assert load_mission(str(file), None).table.length == pytest.approx(44.5, abs=0.1)
+    assert not is_plan("circle")
+
+
+def test_a_first_line_on_the_ground_is_home(tmp_path: Path) -> None:
+    file = tmp_path / "w.txt"
+    first = WPL.replace("\t0\t16", "\t3\t16").replace("\t400", "\t0")
+    file.write_text(first + "1 0 3 16 0 0 0 0 47.0 8.0 10 1\n2 0 3 16 0 0 0 0 47.0004 8.0 10 1\n")
+    mission = load_mission(str(file), None)
+    assert mission.home == (47.0, 8.0, None)
+    assert mission.table.length == pytest.approx(44.5, abs=0.1)
+
+
+def test_two_corners_nearer_than_the_tolerance(tmp_path: Path) -> None:
+    mission = read(tmp_path, waypoint(0, 0, 10), waypoint(40, 0, 10), waypoint(40, 0.5, 10), waypoint(0, 0.5, 10))
+    assert check(mission, load_vehicle("x500")).feasible
+    assert strays(mission, (0, 0, 10), (40, 0, 10), (40, 0.5, 10), (0, 0.5, 10)) < 1.0
+
+
+def test_a_recorded_track(tmp_path: Path) -> None:
+    """Steps of 0.16 m along an S of 20 m, as a GPS receiver writes them down, some of them beside the way."""
+    track = [(0.16 * i, 3.0 * math.sin(0.03 * i) + 0.08 * (i % 3 - 1), 10.0) for i in range(125)]
+    mission = read(tmp_path, *(waypoint(*place) for place in track))
+    assert check(mission, load_vehicle("x500")).feasible
+    assert strays(mission, *track) < 1.0
+
+
+def test_a_short_leg_between_two_sharp_corners(tmp_path: Path) -> None:
+    corners = ((0, 0, 10), (18, 0, 10), (18, 1.1, 10), (14, 2.2, 10))
+    mission = read(tmp_path, *(waypoint(*corner) for corner in corners))
+    assert check(mission, load_vehicle("x500")).feasible
+    assert strays(mission, *corners) < 1.0
+
+
+def changed(change: Any) -> str:
+    data = plan(*SQUARE)
+    change(data)
+    return json.dumps(data, indent=2)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda p: p.update(geoFence={"polygons": []}),
+        lambda p: p.update(geoFence={}),
+        lambda p: p.update(geoFence={"circles": [], "polygons": [], "version": 7}),
+        lambda p: p.pop("version"),
+    ],
+)
+def test_what_says_nothing_is_no_fault(change: Any) -> None:
+    read, _ = plan_from(changed(change), "p.plan")
+    assert (len(read.items), read.fence) == (3, ())
+
+
+def test_a_fence_without_a_version_is_kept() -> None:
+    corners = [[HOME[0], HOME[1]], [HOME[0] + 9 * NORTH, HOME[1]], [HOME[0], HOME[1] + 9 * EAST]]
+    read, _ = plan_from(changed(lambda p: p.update(geoFence={"polygons": [{"polygon": corners}]})), "p.plan")
+    assert read.fence == (FenceArea(tuple(map(tuple, corners)), None, True),)  # type: ignore[arg-type]
+
+
+def test_across_the_180th_meridian(tmp_path: Path) -> None:
+    file = tmp_path / "w.waypoints"
+    rows = [f"{i} 0 3 16 0 0 0 0 -17.0 {longitude} 10 1" for i, longitude in enumerate((179.9998, 180.0002), 1)]
+    file.write_text("QGC WPL 110\n0 1 0 16 0 0 0 0 -17.0 179.9998 5 1\n" + "\n".join(rows) + "\n")
+    assert load_mission(str(file), None).table.length == pytest.approx(42.5, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("far", "said"),
+    [
+        ([(60_000.0, 0.0)], "item 2: it lies 60 km from where the path begins"),
+        ([(20_000.0, 0.0), (0.0, 0.0)] * 3, "item 7: the path is 120 km long here"),
+    ],
+)
+def test_too_far_is_said_by_the_item(tmp_path: Path, far: list[tuple[float, float]], said: str) -> None:
+    with pytest.raises(ConfigError, match=said):
+        read(tmp_path, waypoint(0, 0, 10), *(waypoint(*place, 10) for place in far))
+
+
+def test_fences_among_the_items(tmp_path: Path) -> None:
+    corners = [(5001, 3, -50, -50), (5001, 3, 90, -50), (5001, 3, 0, 90)]
+    fence = [*corners, (5004, 7, 20, 20), (5000, 0, 0, 0), (5100, 0, 9, 9)]
+    frame = LocalFrame(47.0, 8.0, 400.0)
+    path = [(16, 0, 0, 0), (16, 0, 40, 0)]
+    rows = []
+    for i, (command, first, north, east) in enumerate([*path, *fence], 1):
+        latitude, longitude, _ = frame.to_global((north, east, 0.0))
+        rows.append(f"{i}\t0\t3\t{command}\t{first}\t0\t0\t0\t{latitude:.8f}\t{longitude:.8f}\t10\t1")
+    file = tmp_path / "w.waypoints"
+    file.write_text(WPL + "\n".join(rows) + "\n")
+    mission = load_mission(str(file), None)
+    assert mission.fence is not None
+    assert mission.fence.margin((0.0, 20.0, -10.0)) > 0.0
+    assert mission.fence.margin((20.0, 14.0, -10.0)) < 0.0
+    assert mission.fence.margin((80.0, 60.0, -10.0)) < 0.0
+    file.write_text(WPL + "\n".join(rows[2:6]) + "\n")
+    with pytest.raises(ConfigError, match="holds a fence, and no waypoints"):
+        load_mission(str(file), None)
+    file.write_text(WPL + "\n".join([*rows[:2], *rows[3:5]]) + "\n")
+    with pytest.raises(ConfigError, match=r"w\.waypoints:5: .*: item 4: a polygon of 3 corners, 2 are there"):
+        load_mission(str(file), None)
