@@ -231,7 +231,7 @@ def clients(directory: Path) -> list[Client]:
 
     found = [
         Client("Python echo", lambda port, _: [python, script, "echo", str(port)]),
-        Client(OURS, companion(str(machine), "motors")),
+        Client(OURS, companion(str(machine), "motors", "--set-parameters")),
         Client(f"{OURS}, rates", companion("x500", "rates", "--set-parameters"), BY_RATES, direct=False),
         Client("MAVSDK asyncio", lambda port, _: [python, script, "mavsdk", str(port)], BY_ROLL_RATE),
     ]

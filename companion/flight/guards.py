@@ -231,6 +231,8 @@ def _stale(s: Situation) -> str | None:
     silent = s.now - since
     if silent <= STATE_AGE_MAX:
         return None
+    if s.unusable is None and s.late > 0.5 * STATE_AGE_MAX:
+        return f"no state from the vehicle younger than {STATE_AGE_MAX:g} s: they come {s.late:.2f} s late"
     if s.unusable is None:
         return f"no state from the vehicle for {silent:.2f} s"
     return f"no new state from the vehicle for {silent:.2f} s: {s.unusable}"
@@ -283,7 +285,9 @@ def _timed_out(s: Situation) -> str | None:
     elif s.answer is not None and not s.answer.accepted:
         why = f": the vehicle answered {s.answer.reply.words}"
     elif row.request is not None and s.answer is None:
-        why = ": the vehicle did not answer"
+        why = ": the vehicle did not answer" if s.asked else ": its mode was not known, so nothing was asked of it"
+    elif s.phase is Phase.ABORT:
+        why = f": the vehicle accepted and reports {_mode(s)}"
     return f"{s.phase.value} was not done within {row.time_out:g} s{why}"
 
 

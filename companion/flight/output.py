@@ -1,17 +1,25 @@
 """At which level setpoints go out, and why: decided by what PX4 does when they stop coming.
 
-At rates PX4 flies the last body rate until COM_OF_LOSS_T has passed; in a second that is a somersault. At attitudes it
-holds the last attitude, which is harmless for as long.
+At rates PX4 flies the last body rate until COM_OF_LOSS_T has passed; in a second that is a somersault. At motors it
+keeps the last motor commands, which turn a vehicle over sooner. At attitudes it holds the last attitude, which is
+harmless for as long.
 """
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
 
 from companion.vehicle import CompanionError, MotorInterface, OutputLevel, Tuning, Vehicle
 
-LOSS_TIME_MAX = 0.3
-"""s that PX4 may fly a last body rate."""
+LOSS_TIME_MAX, LOSS_TIME_MAX_MOTORS = 0.3, 0.1
+"""s that PX4 may fly a last body rate, and last motor commands. Flown on PX4 when commands stop: at motors 0.3 s cost
+50 degrees, 0.1 s 20 degrees and 5 cm (px4.md, 9)."""
+FLOWN_ON = {
+    OutputLevel.RATES: ("the last body rate", LOSS_TIME_MAX),
+    OutputLevel.MOTORS: ("the last motor commands", LOSS_TIME_MAX_MOTORS),
+}
+"""What PX4 flies on when commands stop, and how long (s) it may."""
 HOVER_APART = 1.6
 """The factor between two hover thrusts from which on they are not one vehicle's: more than a battery or a payload."""
 HOLD_ON_LOSS = 5
@@ -59,20 +67,20 @@ def another_vehicle(vehicle: Vehicle, tuning: Tuning) -> str | None:
 def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool) -> Choice:
     """The level to fly. ``level``: what was asked for; with ``auto`` attitude may be flown in the place of rates.
     ``consent``: parameters may be set for the flight. CompanionError: what was asked for is not safe."""
-    if level is OutputLevel.MOTORS:
-        return Choice(level, "output motors: the vehicle declares direct motors")
     settings = []
     faults = []
     fatal = FATAL_ON_LOSS.get(tuning.offboard_loss_action if tuning.offboard_loss_action is not None else -1)
-    if level is OutputLevel.RATES and (tuning.offboard_loss_time is None or tuning.offboard_loss_time > LOSS_TIME_MAX):
-        settings.append(("COM_OF_LOSS_T", LOSS_TIME_MAX))
-        faults.append(
-            "PX4 does not say its COM_OF_LOSS_T"
-            if tuning.offboard_loss_time is None
-            else f"COM_OF_LOSS_T is {tuning.offboard_loss_time:g} s, and for so long PX4 would fly the last body rate "
-            "if the link broke"
-        )
-    if fatal is not None or (level is OutputLevel.RATES and tuning.offboard_loss_action not in SANE_ON_LOSS):
+    if level in FLOWN_ON:
+        last, longest = FLOWN_ON[level]
+        time = tuning.offboard_loss_time
+        if time is None or is_longer(time, longest):
+            settings.append(("COM_OF_LOSS_T", longest))
+            faults.append(
+                "PX4 does not say its COM_OF_LOSS_T"
+                if time is None
+                else f"COM_OF_LOSS_T is {time:g} s, and for so long PX4 would fly {last} if the link broke"
+            )
+    if fatal is not None or (level in FLOWN_ON and tuning.offboard_loss_action not in SANE_ON_LOSS):
         settings.append(("COM_OBL_RC_ACT", HOLD_ON_LOSS))
         faults.append(
             f"COM_OBL_RC_ACT is {tuning.offboard_loss_action}"
@@ -89,7 +97,7 @@ def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool) -> 
     known = tuning.offboard_loss_time is not None and tuning.offboard_loss_action is not None
     if consent and known:
         return Choice(level, f"output {level.value}: {reason}; {advice} for this flight", tuple(settings))
-    if auto and fatal is None:
+    if auto and fatal is None and level is OutputLevel.RATES:
         return Choice(
             OutputLevel.ATTITUDE, f"output attitude: {reason}; for rates set {advice}, or give --set-parameters"
         )
@@ -97,8 +105,21 @@ def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool) -> 
     raise CompanionError(f"{reason}; {offer}" + ("" if fatal else ", or fly --output attitude"))
 
 
+def is_longer(told: float, limit: float) -> bool:
+    """Whether a parameter exceeds a limit, as PX4 holds both: 0.3 reads back as 0.30000001."""
+    return float32(told) > float32(limit)
+
+
+def float32(value: float) -> float:
+    """``value`` as PX4's parameters hold it."""
+    held: float = struct.unpack("<f", struct.pack("<f", value))[0]
+    return held
+
+
 def _why(level: OutputLevel, tuning: Tuning) -> str:
     if level is OutputLevel.ATTITUDE:
         return "output attitude: as asked; PX4 holds the last attitude if the link breaks"
+    if level is OutputLevel.MOTORS:
+        return "output motors: the vehicle declares direct motors"
     action = SANE_ON_LOSS[tuning.offboard_loss_action] if tuning.offboard_loss_action is not None else ""
     return f"output rates: if the link breaks PX4 acts after {tuning.offboard_loss_time:g} s, with {action}"

@@ -22,8 +22,8 @@ RATE_WANTED = 20.0
 
 class Standing(NamedTuple):
     """What is known before a flight. ``rate``: Hz of states, None until measured. ``has_state``: one has arrived,
-    ``state_age`` s ago. ``clock_pace``: s of the vehicle's clock a second of ours, None where it is not known or of no
-    matter. ``link_delay``: s, there and back; None until measured."""
+    ``state_age`` s ago. ``clock_pace``: s of the vehicle's clock a second of ours, None until
+    measured. ``link_delay``: s, there and back; None until measured."""
 
     status: KnownStatus
     authority: ControlAuthority
@@ -43,7 +43,9 @@ def _state(s: Standing) -> str | None:
 
 def _stamps(s: Standing) -> str | None:
     pace = s.clock_pace
-    if pace is None or PACE_MIN < pace < PACE_MAX:
+    if pace is None:
+        return "the pace of the vehicle's clock is not known yet (the stamps of ODOMETRY)"
+    if PACE_MIN < pace < PACE_MAX:
         return None
     stands = "do not advance" if pace <= 0.0 else f"advance by {pace:.4g} s a second"
     return f"the stamps of ODOMETRY {stands}; time_usec must be microseconds of the vehicle's clock"

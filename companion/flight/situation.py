@@ -47,7 +47,7 @@ class Situation(NamedTuple):
     ``now``, ``entered``: s, our clock, and since when the phase lasts. ``status``: what is known of the vehicle.
     ``mode_seen``: the mode of this phase was seen in telemetry. ``decided_in``: the mode in which the phase began to
     ask, ``asked``: how often it has. ``state_at``: when the last state was measured;
-    ``unusable``: what came in its place.
+    ``unusable``: what came in its place; ``late``: s that it came late.
     ``answer``: the last answer to this phase's request, ``answered``: s since it came, and ``armed_heard``: s since
     armed was last said. ``from_ground``: the flight began on the ground.
     ``faulty``: something went wrong before. ``stop``: told to stop. ``missing``: what the preflight lacks.
@@ -78,5 +78,6 @@ class Situation(NamedTuple):
     decided_in: Mode | None = None
     asked: int = 1
     unusable: str | None = None
+    late: float = 0.0
     answered: float = 0.0
     armed_heard: float = math.inf

@@ -22,8 +22,8 @@ STOOD_FOR = 1.0
 """s of nothing but late states after which a vehicle that has not begun to fly was started anew: see ``restart``."""
 LATE = 0.5
 """s: from here on a state counts as one of another clock while nothing flies."""
-PACE_OVER, PACE_FIRST = 2.0, 0.2
-"""s over which the pace of the vehicle's clock is taken, and the first time sooner."""
+PACE_OVER, PACE_FIRST = 2.0, 0.1
+"""s over which the pace of the vehicle's clock is taken, and after which it is known for the first time."""
 
 
 @dataclass(slots=True)
@@ -85,6 +85,7 @@ class VehicleClock:
             self._pace_from = (t_boot, now)
             return
         stamp, at = self._pace_from
-        if now - at >= (PACE_FIRST if self.pace is None else PACE_OVER):
+        if now - at >= PACE_FIRST:
             self.pace = (t_boot - stamp) / (now - at)
-            self._pace_from = (t_boot, now)
+            if now - at >= PACE_OVER:
+                self._pace_from = (t_boot, now)

@@ -38,7 +38,7 @@ def epilogue(memory: Memory, mode: Mode | None) -> str | None:
     """What went wrong, what was done then, and what to do next, in one sentence; None where nothing did."""
     if memory.first_fault is None or memory.fault_event is None or memory.last_event is None:
         return None
-    return sentence(memory.first_fault, memory.fault_event, memory.advice, memory.last_event, mode, memory.flew)
+    return sentence(memory.first_fault, memory.fault_event, memory.advice, memory.last_event, mode, memory.done)
 
 
 def yaw_error(steered: Steered) -> float:

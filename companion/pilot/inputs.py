@@ -100,6 +100,7 @@ def situation(
         decided_in=memory.decided_in,
         asked=0 if memory.asking is None else memory.asking.tries,
         unusable=memory.watch.unusable,
+        late=memory.watch.late,
         answered=now - memory.answered_at,
         armed_heard=math.inf if armed is None else now - armed.at,
     )
@@ -118,7 +119,7 @@ def missing_now(plan: Plan, memory: Memory, seen: Observation, status: KnownStat
     return preflight.missing(preflight.Standing(
         status, conduct.authority, conduct.finish, conduct.limits, memory.state is not None, seen.rate, seen.companions,
         None if memory.state_at is None else now - memory.state_at,
-        None if conduct.at_once else seen.clock_pace,
+        1.0 if conduct.at_once else seen.clock_pace,
         seen.link_delay,
     ))  # fmt: skip
 

@@ -10,7 +10,7 @@ import math
 
 from companion.flight import safety
 from companion.flight.guards import STATE_AGE_MAX
-from companion.flight.phases import Phase
+from companion.flight.phases import Phase, Request
 from companion.frames import Vec3, conjugate, multiply
 from companion.pilot.memory import OWN_MODE, Memory, Observation, StateWatch, Sums
 from companion.vehicle import Mode, VehicleState
@@ -37,9 +37,12 @@ def take_in(memory: Memory, seen: Observation, now: float, *, clock_may_stand: b
     """The memory with what was seen. ``clock_may_stand``: a simulated vehicle whose clock waits for the first setpoint.
     A state that counts is ``memory.state`` afterwards."""
     answer, asking, known = seen.answer, memory.asking, memory.answer
-    answers = answer is not None and asking is not None and answer.request is asking.request
-    if answers and (known is None or not known.accepted):
+    answers = asking is not None and answer is not None and answer.request is asking.request
+    if answer is not None and answers and (known is None or not known.accepted):
         memory = memory._replace(answer=answer, answered_at=now)
+        if answer.accepted and answer.request in (Request.ARM, Request.HOLD):
+            part = "armed" if answer.request is Request.ARM else "hold_accepted"
+            memory = memory._replace(done=memory.done._replace(**{part: True}))
     mode_seen = memory.mode_seen
     if not mode_seen and seen.status.mode is not None:
         mode_seen = seen.status.mode.value is OWN_MODE.get(memory.phase, Mode.UNKNOWN)
@@ -75,7 +78,7 @@ def take_in(memory: Memory, seen: Observation, now: float, *, clock_may_stand: b
         same_attitude = new.q_nb == old.q_nb and (same_attitude or math.hypot(*new.w_b) > TURNS)
     watch = watch._replace(
         jump=jump, flagged=flagged, clock_jump=max(ahead, 0.0), same_place=same_place, same_attitude=same_attitude,
-        gaps=gaps, arrived_at=now, unusable=None, older=0,
+        gaps=gaps, arrived_at=now, late=seen.late, unusable=None, older=0,
     )  # fmt: skip
     runs = memory.clock_runs or passed > 0.0
     return memory._replace(mode_seen=mode_seen, state=new, state_at=now - seen.late, watch=watch, clock_runs=runs)

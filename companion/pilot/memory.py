@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from companion.flight.asking import Asking, next_at
 from companion.flight.bench import NOTHING_SHOWN, Shown
+from companion.flight.epilogue import Done
 from companion.flight.guards import STATE_AGE_MAX
 from companion.flight.phases import Event, Phase, Request
 from companion.flight.safety import NOTHING_SINCE, Since
@@ -62,7 +63,7 @@ class Sums(NamedTuple):
 class StateWatch(NamedTuple):
     """What is remembered of the states themselves, to tell good ones from others.
 
-    ``arrived_at``: s, our clock, when the last one arrived. ``gaps``: when the last gaps between them ended.
+    ``arrived_at``: s, our clock, when the last one arrived, ``late`` s late. ``gaps``: when the last gaps ended.
     ``jump``: m that the last one lies beside where the one before led, ``flagged``: its reset counter says so.
     ``clock_jump``: s that the vehicle's clock ran ahead of ours, or was set back. ``older``: how many in a row were
     older. ``unusable``: why what came last is no state. ``same_place``, ``same_attitude``: the last one repeated those
@@ -72,6 +73,7 @@ class StateWatch(NamedTuple):
     """
 
     arrived_at: float = 0.0
+    late: float = 0.0
     gaps: tuple[float, ...] = ()
     jump: float = 0.0
     flagged: bool = False
@@ -99,7 +101,7 @@ class Memory(NamedTuple):
     in the mission's direction, -1 back; ``legs``: flown to their ends. ``aim``: the point that is held or gone to.
     ``reached``: the path was reached in this leg. ``scale``: the factor on the speed and its rate, 1/s. ``since``: of
     the safety rows. ``first_fault``: why the flight is not going to be completed, ``fault_event`` its kind, ``advice``
-    what to do then; ``last_event``: what began the phase. ``flew``: it flew in OFFBOARD on our setpoints. ``shown``:
+    what to do then; ``last_event``: what began the phase. ``done``: for the sentence it ends with. ``shown``:
     on the bench.
     """
 
@@ -132,7 +134,7 @@ class Memory(NamedTuple):
     fault_event: Event | None = None
     advice: str | None = None
     last_event: Event | None = None
-    flew: bool = False
+    done: Done = Done()
     shown: Shown = NOTHING_SHOWN
 
     @property

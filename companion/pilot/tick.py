@@ -127,8 +127,8 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
         memory = _decided(moment, memory)
         memory, command = _commanded(moment, memory, fresh)
     memory, request, sent = _requested(moment, memory)
-    if command.setpoint is not None and not memory.flew and status.mode is Mode.OFFBOARD:
-        memory = memory._replace(flew=True)
+    if command.setpoint is not None and not memory.done.flew and status.mode is Mode.OFFBOARD:
+        memory = memory._replace(done=memory.done._replace(flew=True))
     return memory, Outcome(command.setpoint, request, tuple(moment.notes), command.steered, command.ramp, sent)
 
 
@@ -305,4 +305,6 @@ def _requested(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, 
         return memory, None, False  # a failsafe that flies is left alone; on the ground OFFBOARD is ended for good
     lost = memory.last_event is Event.STALE
     later, sent = asked(asking, memory.answer, status, memory.phase, now, lost=lost)
+    if sent and asking.request is Request.HOLD:
+        memory = memory._replace(done=memory.done._replace(hold_asked=memory.done.hold_asked + 1))
     return memory if later is asking else memory._replace(asking=later), asking.request, sent

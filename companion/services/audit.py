@@ -6,7 +6,7 @@ import enum
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from companion.flight.output import FATAL_ON_LOSS, HOLD_ON_LOSS, LOSS_TIME_MAX, SANE_ON_LOSS
+from companion.flight.output import FATAL_ON_LOSS, HOLD_ON_LOSS, LOSS_TIME_MAX, SANE_ON_LOSS, is_longer
 
 Values = Mapping[str, float]
 
@@ -80,7 +80,8 @@ def _far_enough(value: float, values: Values) -> bool:
 
 
 RULES: tuple[Rule, ...] = (
-    Rule("COM_OF_LOSS_T", _when(lambda v, _: v <= LOSS_TIME_MAX, Weight.ADVICE), f"{LOSS_TIME_MAX:g} s or less",
+    Rule("COM_OF_LOSS_T", _when(lambda v, _: not is_longer(v, LOSS_TIME_MAX), Weight.ADVICE),
+         f"{LOSS_TIME_MAX:g} s or less",
          "for so long PX4 flies the last body rate when setpoints stop; longer, and auto flies attitude"),
     Rule("COM_OBL_RC_ACT", _on_loss, f"{HOLD_ON_LOSS} (Hold), or 3 (Return), 4 (Land)",
          "what PX4 does when setpoints stop"),

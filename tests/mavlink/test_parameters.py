@@ -117,6 +117,21 @@ def test_rates_asked_for_are_offered_and_with_consent_made_safe() -> None:
         chosen(OutputLevel.ATTITUDE, terminate, auto=True, consent=False)
 
 
+def test_a_limit_is_compared_as_px4_holds_it() -> None:
+    held = PX4._replace(offboard_loss_time=0.30000001192092896, offboard_loss_action=5)
+    assert chosen(OutputLevel.RATES, held, auto=False, consent=False).settings == ()
+    over = PX4._replace(offboard_loss_time=0.3001, offboard_loss_action=5)
+    assert chosen(OutputLevel.RATES, over, auto=False, consent=True).settings == (("COM_OF_LOSS_T", 0.3),)
+
+
+def test_motors_are_flown_where_px4_notices_at_once() -> None:
+    with pytest.raises(CompanionError, match=r"set COM_OF_LOSS_T to 0\.1, or give --set-parameters"):
+        chosen(OutputLevel.MOTORS, PX4, auto=True, consent=False)
+    assert chosen(OutputLevel.MOTORS, PX4, auto=False, consent=True).settings == (("COM_OF_LOSS_T", 0.1),)
+    quick = PX4._replace(offboard_loss_time=0.10000000149011612, offboard_loss_action=5)
+    assert chosen(OutputLevel.MOTORS, quick, auto=False, consent=False).settings == ()
+
+
 def test_motors_only_where_the_vehicle_declares_them() -> None:
     machine = Vehicle("v", 1.0, (0.1, 0.1, 0.1), ())
     assert "motors: px4" in (motors_refused(machine, True) or "")
