@@ -42,7 +42,7 @@ def children(pid: int) -> list[int]:
 def soak(kind: str, seconds: float) -> bool:
     """Fly, sample, judge."""
     with tempfile.TemporaryDirectory(dir=".") as folder:
-        words = [sys.executable, "-m", "companion", "sim", "circle_r5", "--output", "rates"]
+        words = [sys.executable, "-m", "companion", "sim", "circle_r5", "--output", "rates", "--no-report"]
         words += ["--record", f"{folder}/flight", "--duration", f"{seconds + 60.0:g}"]
         words += ["--udp"] if kind == "real time" else []
         process = subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)

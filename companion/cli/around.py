@@ -7,7 +7,7 @@ from pathlib import Path
 
 from companion.cli.finish import FAILED, NO_VEHICLE, Ending, refuse
 from companion.cli.orders import Sortie
-from companion.cli.terminal import say
+from companion.cli.terminal import warn
 from companion.daemon.conductor import Conductor
 from companion.daemon.last_resort import told
 from companion.daemon.loop import clock
@@ -21,7 +21,7 @@ def begin_record(directory: Path, sortie: Sortie, epoch: float, simulated: Simul
     """The record of a flight that begins, and what is to be said of it. ConfigError: the folder cannot be one."""
     recorder = Recorder(directory, sortie.mission_source, sortie.vehicle_source, epoch, simulated)
     while recorder.words:
-        say(recorder.words.popleft())
+        warn(recorder.words.popleft())
     return recorder
 
 
@@ -31,7 +31,7 @@ def listen_to(signals: Signals, conductor: Conductor, recorder: Recorder) -> Non
 
     def last_words() -> None:
         where = whereabouts(conductor, clock())
-        say(
+        warn(
             "a second signal: the companion ends at once and hands nothing back"
             + (
                 ""
@@ -47,18 +47,18 @@ def no_vehicle(reason: str, ending: Ending) -> int:
     """Nobody was heard; the exit code."""
     if ending.json:
         refuse(reason, as_json=True)
-    say(reason)
+    warn(reason)
     return NO_VEHICLE
 
 
 def failed(error: Exception, recorder: Recorder, ending: Ending) -> int:
     """The companion itself failed outside of the flight's own turns; the exit code."""
-    recorder.keep("failure.txt", traceback.format_exc())
+    recorder.keep_failure(traceback.format_exc())
     recorder.close()
     sentence = (
         f"the companion itself failed ({told(error)}): nothing more was sent; look at the vehicle, and send in the "
         f"flight folder {recorder.directory}"
     )
     refuse(sentence, ending.json)
-    say(sentence)
+    warn(sentence)
     return FAILED

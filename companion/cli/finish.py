@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from companion import pilot
 from companion.cli.page import write_page
-from companion.cli.terminal import say, tell
+from companion.cli.terminal import tell, warn
 from companion.daemon.conductor import Conductor
 from companion.daemon.last_resort import LastResort, told
 from companion.daemon.signals import INTERRUPTED
@@ -31,7 +31,6 @@ __all__ = [
     "Ending",
     "finish",
     "refuse",
-    "say",
 ]
 
 
@@ -61,18 +60,21 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, ended: Ende
     reason = None if done else _reason(conductor, ended)
     recorder.flush(sync=True)
     if ended.failure is not None:
-        recorder.keep("failure.txt", ended.failure.trace)
-        say(ended.failure.sentence)
+        recorder.keep_failure(ended.failure.trace)
+        warn(ended.failure.sentence)
     if conductor.plan is None or conductor.memory is None:
         refuse(reason or "the flight did not begin", ending.json)
     else:
         figures = _figures(conductor, recorder, ending, "completed" if done else "aborted", reason)
         tell(json.dumps(figures, indent=2) if ending.json else _text(figures))
-        if ending.report:
+        if ending.report and recorder.answers:
             write_page(recorder.directory)
-    recorder.close()
+    if conductor.link.identity is None and ended.failure is None:
+        recorder.discard()  # nobody was heard: there is nothing to keep
+    else:
+        recorder.close()
     while recorder.words:
-        say(recorder.words.popleft())
+        warn(recorder.words.popleft())
     return code
 
 
@@ -112,7 +114,7 @@ def _figures(
             truth = _truth(directory / "truth.npy")
             figures = summary(plan, table, truth, ending.settle, outcome, reason, str(directory), recorder.simulation)
     except Exception as error:  # the outcome is known without them
-        recorder.keep("failure.txt", traceback.format_exc())
+        recorder.keep_failure(traceback.format_exc())
         figures["notes"].append(f"the figures could not be computed ({told(error)}); send in the flight folder")
     figures["notes"] += recorder.losses + _of_the_link(conductor)
     recorder.keep("summary.json", json.dumps(figures, indent=2) + "\n")

@@ -20,4 +20,4 @@ def write_page(directory: Path) -> None:
     except CompanionError as error:
         say(f"no report: {error}; then: companion report {directory}")
     except Exception as error:  # the flight is flown and recorded: a page that fails must not make it a failure
-        say(f"no report: {told(error)}; the record is whole: companion report {directory}")
+        say(f"no report: {told(error)}; once that is mended: companion report {directory}")

@@ -17,7 +17,7 @@ from companion.cli.finish import INTERRUPTED, Ended, Ending, finish
 from companion.cli.lockstep import fly
 from companion.cli.orders import Sortie
 from companion.cli.story import Story
-from companion.cli.terminal import is_verbose, say
+from companion.cli.terminal import is_verbose, say, warn
 from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
@@ -156,7 +156,7 @@ class _Journal:
             self._flushed_at = now
             self._recorder.flush()
             while self._recorder.words:
-                say(self._recorder.words.popleft())
+                warn(self._recorder.words.popleft())
 
 
 def over_udp(simulation: Simulation) -> int:

@@ -84,6 +84,7 @@ class Recorder:
     _unrecorded: int = field(init=False, default=0)
     _gone: bool = field(init=False, default=False)
     _abandoned: bool = field(init=False, default=False)
+    _traces: list[str] = field(init=False, default_factory=list)
     _writing: threading.Lock = field(init=False, default_factory=threading.Lock)
 
     def __post_init__(self) -> None:
@@ -178,13 +179,23 @@ class Recorder:
 
     @property
     def losses(self) -> list[str]:
-        """What the record lacks, in words."""
+        """What the record lacks, in words. At the end of a flight: what still waits will not be written either."""
         lost = [
-            (0 if self._table is None else self._table.lost, "ticks of flight.npy, which ends where they began"),
-            (self._tlog.lost, "frames of link.tlog"),
-            (self._notes.lost, "lines of notes.txt"),
+            (0 if self._table is None else self._table.missing, "ticks of flight.npy, which ends where they began"),
+            (self._tlog.lost + self._tlog.waiting, "frames of link.tlog"),
+            (self._notes.lost + self._notes.waiting, "lines of notes.txt"),
         ]
         return [f"the record lacks {count} {what}" for count, what in lost if count]
+
+    @property
+    def answers(self) -> bool:
+        """Whether the disk does, as far as is known."""
+        return not self._abandoned
+
+    def keep_failure(self, trace: str) -> None:
+        """A traceback for failure.txt, behind those that are there."""
+        self._traces.append(trace)
+        self.keep("failure.txt", "\n".join(self._traces))
 
     def abandon(self) -> None:
         """The disk does not answer: whoever writes there is stuck, and the record is left as it is."""

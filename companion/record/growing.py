@@ -27,6 +27,7 @@ class GrowingFile:
         self._limit = limit
         self._waiting: deque[bytes] = deque()
         self._backlog = head  # taken from the queue, not yet in the file
+        self._taken = 0  # pieces in the backlog
         self._end = 0
         self._descriptor: int | None = None
         self._synced = 0
@@ -46,7 +47,8 @@ class GrowingFile:
         if self._descriptor is None:
             self._descriptor = os.open(self.path, NEW_FILE, MODE)
         self._write_backlog(self._descriptor)
-        self._backlog = b"".join(self._waiting.popleft() for _ in range(len(self._waiting)))
+        self._taken = len(self._waiting)
+        self._backlog = b"".join(self._waiting.popleft() for _ in range(self._taken))
         self._write_backlog(self._descriptor)
 
     def sync(self) -> None:
@@ -67,6 +69,11 @@ class GrowingFile:
             if self._descriptor is not None:
                 os.close(self._descriptor)
                 self._descriptor = None
+
+    @property
+    def waiting(self) -> int:
+        """Pieces that are not (or not wholly) in the file."""
+        return self._taken + len(self._waiting)
 
     @property
     def written(self) -> int:
@@ -93,3 +100,4 @@ class GrowingFile:
             count = os.pwrite(descriptor, self._backlog, self._end)
             self._end += count
             self._backlog = self._backlog[count:]
+        self._taken = 0

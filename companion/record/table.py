@@ -75,6 +75,11 @@ class TableWriter(GrowingFile):
             os.pwrite(self.descriptor, header(self.dtype, rows), 0)
             self._counted = rows
 
+    @property
+    def missing(self) -> int:
+        """Rows that were taken and are not in the file."""
+        return self.lost + self.waiting
+
     def table(self) -> Table:
         """Everything that was taken so far and not lost, in the file or still waiting for it."""
         waiting = np.frombuffer(self._whole(self.unwritten[max(0, self._start - self.written) :]), self.dtype)

@@ -17,7 +17,8 @@ from companion.record.table import read_table
 
 pytestmark = pytest.mark.xdist_group("real time")
 
-FLY = [sys.executable, "-m", "companion", "sim", "circle_r5", "--output", "motors", "--record", "flight", "--json"]
+FLY = [sys.executable, "-m", "companion", "sim", "circle_r5", "--output", "motors", "--no-report"]
+FLY += ["--record", "flight", "--json"]
 
 
 def ended(

@@ -41,7 +41,7 @@ SET_MODE = 176
 
 def sim(folder: Path, *words: str) -> Result:
     return CliRunner().invoke(
-        app, ["sim", "circle_r5", "--output", "rates", "--duration", "2", "--settle", "1", "--json",
+        app, ["sim", "circle_r5", "--output", "rates", "--duration", "2", "--settle", "1", "--json", "--no-report",
               "--record", str(folder), *words],
     )  # fmt: skip
 
@@ -171,8 +171,19 @@ def test_figures_that_cannot_be_computed_leave_the_outcome(tmp_path: Path, monke
     assert text.exit_code == 0 and text.stdout.startswith("completed")
 
 
-def test_a_disk_that_fills_up_in_flight(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    really, room = os.pwrite, 150_000
+@pytest.fixture(scope="module")
+def ticks(tmp_path_factory: pytest.TempPathFactory) -> int:
+    """How many ticks the flight of ``sim`` has."""
+    folder = tmp_path_factory.mktemp("whole") / "flight"
+    assert sim(folder).exit_code == 0
+    return len(read_table(folder / "flight.npy").rows)
+
+
+@pytest.mark.parametrize("waits", [True, False])
+def test_a_disk_that_fills_up_in_flight(
+    waits: bool, ticks: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    really, room = os.pwrite, 60_000
 
     def pwrite(descriptor: int, data: bytes, at: int) -> int:
         if at + len(data) > room:
@@ -180,12 +191,16 @@ def test_a_disk_that_fills_up_in_flight(tmp_path: Path, monkeypatch: pytest.Monk
         return really(descriptor, data, at)
 
     monkeypatch.setattr(growing.os, "pwrite", pwrite)
-    monkeypatch.setattr("companion.record.table.ROWS_WAITING", 50)
+    if not waits:
+        monkeypatch.setattr("companion.record.table.ROWS_WAITING", 50)
     result = sim(tmp_path / "flight")
     assert result.exit_code == 0
     figures = json.loads(result.stdout)
     assert figures["outcome"] == "completed"
-    assert any("the record lacks" in note and "ticks of flight.npy" in note for note in figures["notes"])
+    assert (figures["follow"]["duration_s"] > 1.9) == waits  # what waited for the disk is in the figures
+    left = len(read_table(tmp_path / "flight" / "flight.npy").rows)
+    (lacks,) = [int(note.split()[3]) for note in figures["notes"] if "ticks of flight.npy" in note]
+    assert left + lacks == ticks
     assert result.stderr.count("the record cannot be written (No space left on device)") == 1
     assert replay(load_flight(tmp_path / "flight")).difference is None
 

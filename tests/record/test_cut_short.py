@@ -64,6 +64,7 @@ def test_a_full_disk_costs_nothing_once_there_is_room(tmp_path: Path, monkeypatc
         with pytest.raises(OSError, match="No space"):
             file.write()
     assert file.lost == 1
+    assert file.waiting == 3
     assert (tmp_path / "file").read_bytes() == b"0123456789"
     disk.room = 1000
     file.append(b"kl")

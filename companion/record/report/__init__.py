@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from companion.record.files import write_whole
 from companion.record.report.evidence import gathered
 from companion.record.report.page import page
 from companion.vehicle import CompanionError
@@ -41,7 +42,7 @@ def write_report(directory: Path) -> Path:
     evidence = gathered(directory)
     text = page(evidence, figures.figures(evidence), zoom.library())
     target = directory / "report.html"
-    target.write_text(text, encoding="utf-8")
+    write_whole(target, text, durable=False)
     return target
 
 

@@ -1,0 +1,54 @@
+"""Where the vehicle is and what to do next: what Ctrl-C says."""
+
+from __future__ import annotations
+
+import pytest
+
+from companion.daemon.whereabouts import whereabouts
+from companion.vehicle import Fact, Landed, Mode, VehicleStatus
+from tests.support.flights import Flown, flight, once
+
+
+def said(armed: bool, mode: Mode, landed: Landed) -> VehicleStatus:
+    """What a vehicle said, however long ago."""
+    return VehicleStatus(Fact(armed, 0.0, 1.0), Fact(mode, 0.0, 1.0), landed=Fact(landed, 0.0, 1.0))
+
+
+@pytest.fixture(scope="module")
+def stopped() -> Flown:
+    """A flight that was stopped in the air."""
+    return flight(duration=None, meddle=once(2.0, lambda f: f.conductor.stop()))
+
+
+def test_in_the_air(stopped: Flown) -> None:
+    now = stopped.between.now
+    told = whereabouts(stopped.conductor, now)
+    assert told is not None
+    assert told.startswith("the vehicle is in Hold, armed, 10.0 m above home and ")
+    assert told.endswith(
+        "m from it; it stays there until somebody takes it: by remote control or from a ground station"
+    )
+    late = whereabouts(stopped.conductor, now + 4.0)
+    assert late is not None and ", last heard 4 s ago; " in late
+
+
+@pytest.mark.parametrize(
+    ("status", "place", "do"),
+    [
+        (said(True, Mode.OFFBOARD, Landed.IN_AIR), "Offboard, armed, 10", "select another mode now"),
+        (said(True, Mode.LAND, Landed.LANDING), "in Land, armed, 10", "it flies by itself: watch it"),
+        (said(True, Mode.HOLD, Landed.ON_GROUND), "armed, on the ground", "disarm it before anybody"),
+        (said(False, Mode.HOLD, Landed.ON_GROUND), "disarmed, on the ground", "can be walked up to"),
+        (VehicleStatus(), "in an unknown mode", "look at it, and take it by remote control"),
+    ],
+)
+def test_each_place_has_its_advice(stopped: Flown, status: VehicleStatus, place: str, do: str) -> None:
+    stopped.conductor.telemetry.status = status
+    told = whereabouts(stopped.conductor, stopped.between.now)
+    assert told is not None
+    assert place in told and do in told.split("; ")[1]
+
+
+def test_nobody_was_heard(stopped: Flown, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stopped.conductor.link, "identity", None)
+    assert whereabouts(stopped.conductor, 0.0) is None
