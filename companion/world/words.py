@@ -44,7 +44,7 @@ def air_in_words(world: World) -> str:
         return words
     if isinstance(world.gusts, Gusts):
         return f"{words}, gusts of {max(world.gusts.sigma):.2g} m/s"
-    return f"{words}, turbulence of {world.gusts.wind_at_6m:.1f} m/s of wind at 6 m"
+    return f"{words}, turbulence as in {world.gusts.wind_at_6m:.1f} m/s of wind"
 
 
 def event_kind(event: Event) -> str:

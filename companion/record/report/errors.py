@@ -101,17 +101,20 @@ def themselves(evidence: Evidence) -> Figure:
     heading = np.degrees(np.unwrap(told["yaw"]))
     # what is asked for runs beside what is flown, not a turn away from it
     asked = heading - np.degrees(told["yaw_error"])
+    speeds, headings = [told["speed"], told["alpha"]], [heading, asked]
     if true is not None:
         _line(speed, true["t"], true["speed"], False, TRUE, 3.4, "true")
         flown = np.interp(true["t"], told["t"], asked) + np.degrees(true["yaw_error"])
         _line(yaw, true["t"], flown, False, TRUE, 3.4, None)
+        speeds.append(true["speed"])
+        headings.append(flown)
     _line(speed, told["t"], told["speed"], False, BLUE, 1.1, "flown" if true is None else "as estimated")
     _line(speed, told["t"], told["alpha"], False, INK, 0.9, "the mission asks for", DASHES)
     _line(yaw, told["t"], heading, False, BLUE, 1.1, None)
     _line(yaw, told["t"], asked, False, INK, 0.9, None, DASHES)
     for panel, name, curves, least in (
-        (speed, "Speed along the path, m/s", (told["speed"], told["alpha"]), 0.1),
-        (yaw, "Heading, deg clockwise from north", (heading, asked), 2.0),
+        (speed, "Speed along the path, m/s", speeds, 0.1),
+        (yaw, "Heading, deg clockwise from north", headings, 2.0),
     ):
         named(panel, name)
         spanned(panel, min(map(np.min, curves)), max(map(np.max, curves)), least)

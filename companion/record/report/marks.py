@@ -55,12 +55,14 @@ def shade(panels: list[Axes], evidence: Evidence, begin: float, end: float) -> N
             panel.axvspan(from_, to, color=colour, linewidth=0, zorder=0.5)
         if each.kind not in OWN and from_ > named + 0.12 * (end - begin):
             named = from_
+            late = from_ > begin + 0.75 * (end - begin)
             panels[0].annotate(
                 WORDS.get(each.kind, each.kind.replace("_", " ")),
                 (from_, 1.0),
-                xytext=(2, -3),
+                xytext=(-2 if late else 2, -3),
                 xycoords=("data", "axes fraction"),
                 textcoords="offset points",
+                ha="right" if late else "left",
                 va="top",
                 fontsize=8,
                 color=FAINT,
