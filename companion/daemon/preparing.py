@@ -23,6 +23,8 @@ from companion.vehicle import CompanionError, Landed, OutputLevel, Tuning, Vehic
 
 PLACE_WITHIN = 30.0
 """s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
+MISSING_SAID_AFTER, GIVEN_UP_AFTER = 5.0, 60.0
+"""s after which what the vehicle has not said is named, and after its first heartbeat the flight is given up."""
 IDENTITY_WITHIN = 5.0
 """s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
 HOME_ALTITUDE_AGREES = 1.0
@@ -50,6 +52,10 @@ class Preparation:
     restoring: bool = False
     heard_at: float | None = None
     choice: output.Choice | None = None
+    state_heard: bool = False
+    _lacking: str | None = None
+    _lacking_since: float = 0.0
+    _lacking_said: bool = False
 
     def met(self, system: int, now: float) -> None:
         """The vehicle was heard: the first time, ask for the parameters that matter."""
@@ -64,12 +70,14 @@ class Preparation:
         if identity is None or self.refusal is not None:
             return None
         self.refusal = self._refused(orders, identity, now)
-        if self.refusal is not None or state is None:
+        if self.refusal is not None:
             return None
-        status = self.telemetry.status.known(now)
-        unknown = orders.level is OutputLevel.MOTORS and identity.direct_motors is None
-        asked = self.parameters.settled and self.link.is_set_up
-        if unknown or status.landed is None or status.armed is None or not asked:
+        self.state_heard = self.state_heard or state is not None
+        lacks = self._lacks(orders, identity, now)
+        if lacks is not None:
+            self._say_missing(lacks, now)
+            return None
+        if state is None:
             return None
         try:
             return self._made(orders, state, now)
@@ -79,6 +87,30 @@ class Preparation:
         except CompanionError as error:
             self.refusal = str(error)
         return None
+
+    def _lacks(self, orders: Orders, identity: Identity, now: float) -> str | None:
+        """What the vehicle has not said yet, by its MAVLink name; None: the plan can be made."""
+        status = self.telemetry.status.known(now)
+        if not (self.parameters.settled and self.link.is_set_up):
+            return "the answers to what was asked of it (PARAM_VALUE, COMMAND_ACK)"
+        if orders.level is OutputLevel.MOTORS and identity.direct_motors is None:
+            return "what it can do (AUTOPILOT_VERSION)"
+        if not self.state_heard:
+            refused = ", ".join(self.telemetry.refused)
+            return f"its state (ODOMETRY){': what comes is ' + refused if refused else ''}"
+        if status.landed is None:
+            return "whether it stands or flies (EXTENDED_SYS_STATE)"
+        return "whether it is armed (HEARTBEAT)" if status.armed is None else None
+
+    def _say_missing(self, lacks: str, now: float) -> None:
+        """Say what is missing once it is for a while, and when that changes; and end what cannot begin."""
+        if lacks != self._lacking:
+            self._lacking, self._lacking_since, self._lacking_said = lacks, now, False
+        elif not self._lacking_said and now - self._lacking_since > MISSING_SAID_AFTER:
+            self._lacking_said = True
+            self.notes.append(f"waiting for the vehicle to say {lacks}")
+        if self._known_for(now) > GIVEN_UP_AFTER:
+            self.refusal = f"within {GIVEN_UP_AFTER:g} s the vehicle has not said {lacks}"
 
     def restore(self, now: float) -> None:
         """Set back what was set for the flight."""

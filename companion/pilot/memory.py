@@ -90,6 +90,14 @@ class StateWatch(NamedTuple):
     rates_off: float = 0.0
 
 
+class Missing(NamedTuple):
+    """What a flight that waits lacks: ``words`` without their figures, ``since`` s, and whether that was ``told``."""
+
+    words: str
+    since: float
+    told: bool = False
+
+
 class Memory(NamedTuple):
     """What the pilot remembers from tick to tick.
 
@@ -101,7 +109,8 @@ class Memory(NamedTuple):
     in the mission's direction, -1 back; ``legs``: flown to their ends. ``aim``: the point that is held or gone to.
     ``reached``: the path was reached in this leg. ``scale``: the factor on the speed and its rate, 1/s. ``since``: of
     the safety rows. ``first_fault``: why the flight is not going to be completed, ``fault_event`` its kind, ``advice``
-    what to do then; ``last_event``: what began the phase. ``done``: for the sentence it ends with. ``shown``:
+    what to do then; ``last_event``: what began the phase. ``done``: for the sentence it ends with. ``missing``:
+    before it begins. ``shown``:
     on the bench.
     """
 
@@ -135,6 +144,7 @@ class Memory(NamedTuple):
     advice: str | None = None
     last_event: Event | None = None
     done: Done = Done()
+    missing: Missing | None = None
     shown: Shown = NOTHING_SHOWN
 
     @property

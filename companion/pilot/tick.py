@@ -18,9 +18,9 @@ from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.errors import LawError
 from companion.law.speed_scale import UNITY, SpeedScale
-from companion.pilot.inputs import safety_inputs, situation
+from companion.pilot.inputs import missing_now, safety_inputs, situation
 from companion.pilot.intake import compared, take_in
-from companion.pilot.memory import OWN_MODE, First, Memory, Observation, Outcome, Progress
+from companion.pilot.memory import OWN_MODE, First, Memory, Missing, Observation, Outcome, Progress
 from companion.pilot.targets import (
     JOIN_WITHIN,
     beginning,
@@ -40,6 +40,8 @@ from companion.vehicle import KnownStatus, Landed, Mode, Setpoint, VehicleState,
 
 DT_MAX = 0.1
 """s; a longer gap between two stamps is integrated as this much."""
+MISSING_TOLD_AFTER = 3.0
+"""s after which what a flight waits for is told."""
 LEVEL_FOR = 0.3
 """s of level setpoints after an abort; then silence, so that the autopilot's own failsafe can act."""
 REACHED_WITHIN = 1.0
@@ -126,6 +128,8 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
     else:
         memory = _decided(moment, memory)
         memory, command = _commanded(moment, memory, fresh)
+    if memory.phase is Phase.PREFLIGHT:
+        memory = _told_missing(moment, memory)
     memory, request, sent = _requested(moment, memory)
     if command.setpoint is not None and not memory.done.flew and status.mode is Mode.OFFBOARD:
         memory = memory._replace(done=memory.done._replace(flew=True))
@@ -292,6 +296,20 @@ def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
     if told is not None:
         notes.append(told)
     return memory._replace(shown=shown)
+
+
+def _told_missing(moment: Moment, memory: Memory) -> Memory:
+    """Before the flight: what it lacks is told when it has for a while, and again when that changes."""
+    plan, seen, status, _, now, notes = moment
+    lacks = missing_now(plan, memory, seen, status, now)
+    words = "" if lacks is None else "".join(letter for letter in lacks if not letter.isdigit())
+    known = memory.missing
+    if known is None or known.words != words:
+        return memory._replace(missing=Missing(words, now))
+    if known.told or lacks is None or now - known.since < MISSING_TOLD_AFTER:
+        return memory
+    notes.append(f"waiting: {lacks}")
+    return memory._replace(missing=known._replace(told=True))
 
 
 def _requested(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, bool]:

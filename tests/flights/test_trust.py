@@ -175,6 +175,7 @@ def test_a_delay_that_grows_ends_in_hold_while_it_still_flies(level: OutputLevel
 def test_a_link_that_is_too_slow_is_not_flown_with(each_way: float, flies: bool) -> None:
     world = World(link=Link(Way(delay=each_way), Way(delay=each_way)))
     flown = flight(level=OutputLevel.RATES, duration=2.0, world=world, time_out=75.0)
+    assert any(note.startswith("waiting: a message takes") for note in flown.notes) is not flies
     if flies:
         assert through(flown), flown.notes
     else:
@@ -355,3 +356,23 @@ def test_after_somebody_elses_landing_it_is_not_armed() -> None:
     flown = flight(level=OutputLevel.RATES, prepare=prepare, meddle=land, conduct=Conduct(), time_out=100.0)
     assert flown.conductor.done
     assert not commands(flown, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("prepare", "says"),
+    [
+        (silent("ODOMETRY", since=0.0), "ODOMETRY"),
+        (altered("ODOMETRY", lambda fields, now: {**fields, "frame_id": 20}), "ODOMETRY in frame 20"),
+        (silent("EXTENDED_SYS_STATE", since=0.0), "EXTENDED_SYS_STATE"),
+    ],
+)
+def test_what_is_missing_is_named_and_the_flight_given_up(prepare: Callable[[Flown], None], says: str) -> None:
+    named: list[float] = []
+
+    def listen(flown: Flown, now: float) -> None:
+        if not named and any(says in note for note in flown.notes):
+            named.append(now)
+
+    flown = flight(level=OutputLevel.RATES, prepare=prepare, meddle=listen, time_out=70.0)
+    assert named and named[0] < 10.0
+    assert flown.conductor.refusal is not None and says in flown.conductor.refusal
