@@ -220,10 +220,10 @@ def fly(
     assert sortie is not None and open_port is not None
     sortie, found = looked_at(sortie)
     if not found.feasible:
-        if not found.only_capability_lacks and not found.may_be_flown:
-            raise typer.Exit(refuse(headline(found), json))
         if not accept_infeasible and not found.may_be_flown:
-            raise typer.Exit(refuse(f"{headline(found)} (--accept-infeasible flies it all the same)", json))
+            # who knows that the ground falls away may say so; it is not held out to who does not
+            offer = " (--accept-infeasible flies it all the same)" if found.only_capability_lacks else ""
+            raise typer.Exit(refuse(headline(found) + offer, json))
         warn(f"warning: {headline(found)}")
     if dry_run and bench:
         raise CompanionError("--dry-run and --bench exclude each other; expected one of them")
