@@ -1,0 +1,116 @@
+"""What no flight may do, whatever happens to it. Each rule looks at a flight and says what is broken, in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from companion.flight.conduct import ControlAuthority
+from companion.flight.phases import Phase
+from companion.mavlink.modes import Mode
+from companion.world.events import Order
+from sim_bridge.strangers import MODES
+from trials.faults.flying import Flight, Word
+
+STATUS_AGE_MAX = 1.0
+"""s after the vehicle last spoke of its mode in which a mode, arming or a place may still be asked for."""
+SAME_MODE_MAX = 3
+"""How often HOLD may be asked for on the ground because OFFBOARD is still meant (PX4 goes back to it by itself)."""
+MARGIN = 0.02
+"""s: five steps of the plant, for what was decided when the state arrived and left just after."""
+NOT_A_WORD = frozenset({Order.ARM, Order.TAKE_OFF, Order.OFFBOARD, Order.MISSION, Order.TERMINATE})
+"""Orders that do not take the vehicle from the companion, or that the stand-in does not keep."""
+BEFORE = (None, Phase.PREFLIGHT)
+"""What the companion does before its flight begins."""
+ASKS_FOR_HOLD = (Phase.HAND_BACK, Phase.ABORT, Phase.RELEASE)
+
+
+def broken(flight: Flight) -> list[str]:
+    """Every rule the flight broke."""
+    return [
+        *(f"a bad setpoint: {words}" for words in flight.traffic.bad[:3]),
+        *([] if flight.done_at is not None else ["not over in time"]),
+        *_blind_commands(flight),
+        *(words for word in last_words(flight) for words in _against(flight, word)),
+        *_unasked(flight),
+    ]
+
+
+def last_words(flight: Flight) -> list[Word]:
+    """What the operator said that the companion may not go against: neither what begins a flight nor what it asks for
+    itself."""
+    return [word for word in flight.words if not _is_ours(word)]
+
+
+def _is_ours(word: Word) -> bool:
+    order = word.order.order
+    if order in NOT_A_WORD:
+        return True
+    if word.phase in BEFORE:
+        return order in (Order.HOLD, Order.POSITION, Order.DISARM)
+    if order is Order.HOLD:
+        return word.phase in ASKS_FOR_HOLD
+    return (order, word.phase) in ((Order.LAND, Phase.LAND), (Order.RETURN, Phase.RETURN)) or word.phase is Phase.DONE
+
+
+def seen_at(flight: Flight, word: Word) -> float:
+    """When the companion heard of it: the first state after the first status that shows it. Infinity: it never did."""
+    order = word.order.order
+    for heard in flight.traffic.statuses:
+        if heard.at <= word.at:
+            continue
+        if heard.armed is False if order in (Order.DISARM, Order.KILL) else heard.mode is MODES[order]:
+            return flight.traffic.state_after(heard.at) + MARGIN
+    return math.inf
+
+
+def commands_after(flight: Flight, word: Word) -> list[str]:
+    """What the companion asked for after it had heard, against the word."""
+    seen, until = seen_at(flight, word), _next_word(flight, word)
+    after = [said for said in flight.traffic.commands if seen < said.at < until]
+    if word.order.order in (Order.DISARM, Order.KILL):
+        holds = [said for said in after if said.mode is Mode.HOLD]
+        if len(holds) <= SAME_MODE_MAX:
+            after = [said for said in after if said not in holds]
+    return [f"{said.words} at {said.at:.2f} s" for said in after]
+
+
+def setpoints_after(flight: Flight, word: Word) -> int:
+    """How many setpoints it sent after it had heard; the pilot's start streams them in every mode."""
+    if flight.case.authority is not ControlAuthority.COMPANION:
+        return 0
+    seen, until = seen_at(flight, word), _next_word(flight, word)
+    return sum(seen < t < until for t in flight.traffic.setpoints_at)
+
+
+def _next_word(flight: Flight, word: Word) -> float:
+    return min((other.at for other in flight.words if other.at > word.at), default=math.inf)
+
+
+def _against(flight: Flight, word: Word) -> Iterator[str]:
+    what = f"after the operator's {word.order.order.value} at {word.at:.2f} s in {word.phase and word.phase.value}"
+    commands = commands_after(flight, word)
+    if commands:
+        yield f"{what}: {len(commands)} commands, {', '.join(commands[:3])}"
+    setpoints = setpoints_after(flight, word)
+    if setpoints:
+        yield f"{what}: {setpoints} setpoints"
+
+
+def _blind_commands(flight: Flight) -> Iterator[str]:
+    """Nothing is asked for when the vehicle has not spoken of its mode for a second."""
+    blind = [
+        said
+        for said in flight.traffic.commands
+        if said.at - flight.traffic.status_before(said.at) > STATUS_AGE_MAX + MARGIN
+    ]
+    if blind:
+        first = blind[0]
+        age = first.at - flight.traffic.status_before(first.at)
+        yield f"{len(blind)} commands without knowing the mode, the first {first.words} {age:.1f} s after the last status"
+
+
+def _unasked(flight: Flight) -> Iterator[str]:
+    """Only the companion's own start arms and changes modes."""
+    if flight.case.authority is not ControlAuthority.COMPANION and flight.traffic.commands:
+        yield f"{len(flight.traffic.commands)} commands in a flight that asks for nothing"
