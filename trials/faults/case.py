@@ -43,9 +43,18 @@ class End(enum.Enum):
 
 
 @dataclass(frozen=True)
+class Strike:
+    """Events that begin to count when the companion enters a phase for the first time."""
+
+    phase: Phase
+    events: tuple[Event, ...]
+
+
+@dataclass(frozen=True)
 class Case:
     """``events``: what happens; their times count from when ``phase`` begins, or from the plant's start where that is
-    None. ``end``: how it must end, ``or_end``: how it may end too; ``says``: a pattern of the sentence that is said then.
+    None. ``strikes``: the same again, each with a phase of its own. ``mutated``: the share of the vehicle's messages in
+    which one field says something else, its checksum right. ``end``: how it must end, ``or_end``: how it may end too; ``says``: a pattern of the sentence that is said then.
     ``parameters``: PX4's, set before. ``within``: s after the first event in which it must be given up; None: any.
     ``loses_thrust``: it may come down. ``tilt_max``: degrees, at most, while it is ours. ``lost_max``: m of height at
     most; None: half of it. ``stop_at``: when the user stops it (s, as the events). ``watched_for``: s for which the
@@ -58,6 +67,8 @@ class Case:
     or_end: tuple[End, ...] = ()
     events: tuple[Event, ...] = ()
     phase: Phase | None = None
+    strikes: tuple[Strike, ...] = ()
+    mutated: float = 0.0
     link: Link = field(default_factory=Link)
     begin: Begin = Begin.ON_THE_PATH
     levels: tuple[OutputLevel, ...] = LEVELS

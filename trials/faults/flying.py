@@ -28,7 +28,8 @@ from sim_bridge.autopilot.mavlink.stream_table import TABLE
 from sim_bridge.autopilot.mavlink.streams import STOPPED
 from sim_bridge.bridge import Bridge
 from sim_bridge.strangers import source
-from trials.faults.case import Begin, Case, shifted
+from trials.faults.case import Begin, Case, Strike, shifted
+from trials.faults.mutation import Mutator
 from trials.faults.traffic import Traffic
 
 COMPANION_ENDPOINT, GROUND_STATION_ENDPOINT = 0, 1
@@ -63,7 +64,7 @@ class Flight:
     ``event_at``: when the first thing happened, None if nothing did; ``height_then``: how high it flew.
     ``noticed_at``: when the companion gave up; ``done_at``: when it ended, None: it did not. ``lowest``, ``steepest``:
     from the event on, while the vehicle was in OFFBOARD or HOLD; ``steepest_before``: until the companion gave up.
-    ``mode``, ``armed``: at the end. ``entered``: the phases and since when. ``sentence``: what is said at the end.
+    ``mode``, ``armed``: at the end. ``entered``: the phases and since when. ``sentence``: what is said at the end. ``mutated``: messages.
     """
 
     case: Case
@@ -83,6 +84,7 @@ class Flight:
     notes: list[str] = field(default_factory=list)
     entered: list[tuple[Phase, float]] = field(default_factory=list)
     words: list[Word] = field(default_factory=list)
+    mutated: int = 0
 
     @property
     def in_air_at_end(self) -> bool:
@@ -139,7 +141,8 @@ class Sortie:
         self.conductor = Conductor(orders, None, 0.0)
         self.flight = Flight(case, level, Traffic(vehicle))
         self._case = case
-        self._waits_for = case.phase
+        self._waiting = [*(() if case.phase is None else (Strike(case.phase, case.events),)), *case.strikes]
+        self._mutator = Mutator(case.mutated, seed) if case.mutated else None
         self._stop_at = case.stop_at if case.phase is None else None
         self._first_at = min((e.when.begin for e in case.events), default=None) if case.phase is None else None
         if case.link.down or case.link.up:
@@ -167,6 +170,7 @@ class Sortie:
         flight.sentence = self.conductor.refusal or (None if memory is None else pilot.epilogue(memory, mode))
         if unmet:
             flight.sentence = self.conductor.link.peers.heard_words(self.conductor.decoder.counters)
+        flight.mutated = 0 if self._mutator is None else self._mutator.changed
         commander = bridge.autopilot.commander
         flight.mode, flight.armed = commander.mode, commander.armed
         return flight
@@ -196,8 +200,9 @@ class Sortie:
 
     def _arrived(self) -> list[tuple[bytes, int]]:
         own = source(COMPANION_ENDPOINT, self.bridge.ports_dialled)
+        mutate = self._mutator
         arrived = [
-            (data, source(endpoint, self.bridge.ports_dialled))
+            (data if mutate is None else mutate(data), source(endpoint, self.bridge.ports_dialled))
             for endpoint, data in self.bridge.datagrams()
             if endpoint != GROUND_STATION_ENDPOINT
         ]
@@ -225,9 +230,9 @@ class Sortie:
                 flight.entered.append((memory.phase, now))
             if memory.first_fault is not None and flight.noticed_at is None:
                 flight.noticed_at = now
-            if self._waits_for is not None and memory.phase is self._waits_for:
-                self._waits_for = None
-                self._release(now)
+            for strike in [strike for strike in self._waiting if strike.phase is memory.phase]:
+                self._waiting.remove(strike)
+                self._strike(strike, now)
         if conductor.refusal is not None and flight.noticed_at is None:
             flight.noticed_at = now
         if self._stop_at is not None and now >= self._stop_at:
@@ -236,14 +241,15 @@ class Sortie:
         self._take_orders()
         self._measure()
 
-    def _release(self, now: float) -> None:
-        """The phase has come on which the case has waited."""
+    def _strike(self, strike: Strike, now: float) -> None:
+        """The phase has come on which a strike has waited."""
         t = self.bridge.truth.t_boot
-        for event in self._case.events:
+        for event in strike.events:
             self.bridge.world_events.add(shifted(event, t))
-        if self._case.stop_at is not None:
+        if strike.phase is self._case.phase and self._case.stop_at is not None:
             self._stop_at = now + self._case.stop_at
-        self._first_at = now + min((e.when.begin for e in self._case.events), default=self._case.stop_at or 0.0)
+        first_at = now + min((e.when.begin for e in strike.events), default=self._case.stop_at or 0.0)
+        self._first_at = first_at if self._first_at is None else min(first_at, self._first_at)
 
     def _take_orders(self) -> None:
         orders = self.bridge.orders
