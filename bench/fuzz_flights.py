@@ -1,8 +1,8 @@
 """Whole flights with everything going wrong at random, against the rules that hold whatever happens.
 
 Each seed draws a flight: where it begins, who starts it, at which level, how bad the link is; what strikes in which
-phases (operator's orders, cuts, repeats and delays of all or of some messages, wrong states, strangers, weak motors);
-and whether messages are mutated, their checksums right. The rules (trials/faults/rules.py): no exception; every setpoint
+phases (operator's orders; cuts, repeats and delays of all or some messages; wrong states, strangers, weak motors); and
+whether messages are mutated, their checksums right. The rules (trials/faults/rules.py): no exception; every setpoint
 finite, within limits and made from a fresh state; no command that changes mode, arming or place once the operator's
 mode was seen, nor more than 1 s after the vehicle last spoke of its mode; no setpoint once his mode was seen; over in
 bounded time. A seed that breaks one is printed, with the simplest flight that still does.
@@ -43,9 +43,8 @@ def main() -> None:
         if time.monotonic() - told > PROGRESS:
             told = time.monotonic()
             print(f"{told - begun:5.0f} s: {count} flights, {flown:.0f} s flown, {len(bad)} broke a rule", flush=True)
-    print(
-        f"seeds {int(first)} to {int(first) + count - 1}: {flown:.0f} s flown, {mutated} messages mutated, {len(bad)} broke a rule"
-    )
+    seeds = f"seeds {int(first)} to {int(first) + count - 1}"
+    print(f"{seeds}: {flown:.0f} s flown, {mutated} messages mutated, {len(bad)} broke a rule")
     raise SystemExit(bool(bad))
 
 

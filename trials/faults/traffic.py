@@ -23,8 +23,9 @@ CHANGING = {
     300: "MISSION_START", ARM_DISARM: "ARM_DISARM", 43000: "GUIDED",
 }  # fmt: skip
 """MAV_CMD that change mode, arming or place."""
-STATE_AGE_MAX = 0.5
-"""s between the arrival of a state and a setpoint made from it: 0.2 until it is stale, 0.3 of levelling."""
+STATE_AGE_MAX = 0.6
+"""s between the arrival of a state and a setpoint made from it: 0.2 until it is stale, 0.3 of levelling, and the time
+until each is noticed (the pilot looks around every 0.05 s)."""
 ROUNDING = 1e-4
 """Of a float32 on the wire, against its limit."""
 

@@ -24,7 +24,7 @@ def wrong(flight: Flight) -> list[str]:
     found = broken(flight)
     if not any(_ended(flight, end) for end in ends):
         told = " or ".join(end.value for end in ends)
-        found.append(f"ends otherwise than {told}: {_end_in_words(flight)}")
+        found.append(f"ends otherwise than {told}: {_state_in_words(flight)}")
     if case.says and not (flight.completed and End.FLOWN in ends) and not re.search(case.says, flight.sentence or ""):
         found.append(f"says {flight.sentence!r}, expected {case.says!r}")
     return found + list(_out_of_bounds(flight))
@@ -61,7 +61,14 @@ def _as_told(flight: Flight) -> bool:
     return flight.mode is MODES[order] or (order in (Order.LAND, Order.RETURN) and not flight.armed)
 
 
-def _end_in_words(flight: Flight) -> str:
+def end_in_words(flight: Flight) -> str:
+    """How a flight ended: as the case says where it did, else in the words of the first end that fits."""
+    case = flight.case
+    order = (case.end, *case.or_end, End.FLOWN, End.REFUSED, End.OPERATORS, End.HELD, End.ENDED)
+    return next((end.value for end in order if _ended(flight, end)), "not over")
+
+
+def _state_in_words(flight: Flight) -> str:
     if flight.done_at is None:
         return f"not over after {flight.entered[-1][1] if flight.entered else 0:.0f} s in {flight.entered[-1:]}"
     state = f"{flight.mode.words}, {'armed' if flight.armed else 'disarmed'}"
