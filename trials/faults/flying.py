@@ -165,7 +165,7 @@ class Sortie:
             self._take_orders()
             self._measure()
         memory = self.conductor.memory
-        mode = self.conductor.telemetry.status.mode
+        mode = self.conductor.telemetry.status.last.mode
         flight.completed = memory is not None and pilot.completed(memory)
         flight.sentence = self.conductor.refusal or (None if memory is None else pilot.epilogue(memory, mode))
         if unmet:

@@ -13,10 +13,9 @@ from companion.world.events import (
     LinkRecut,
     LinkRepeat,
     LinkThin,
-    Order,
     When,
 )
-from trials.faults.case import Begin, Case, End, at
+from trials.faults.case import LEVELS, Begin, Case, End
 
 ODOMETRY = frozenset({"ODOMETRY"})
 STATUS = frozenset({"HEARTBEAT", "CURRENT_MODE"})
@@ -63,8 +62,6 @@ AGAIN = (
          events=(LinkRepeat(When(2.0, 2.15), messages=ODOMETRY),)),
     Case("the last of every message again for ever", End.HELD, phase=Phase.FOLLOW, within=0.5, or_end=(End.FAILSAFE,),
          events=(LinkRepeat(When(2.0), up=False),)),
-    Case("the last CURRENT_MODE and HEARTBEAT again, the operator lands", End.OPERATORS, phase=Phase.FOLLOW,
-         events=(LinkRepeat(When(2.0), messages=STATUS), at(2.5, Order.LAND)), watched_for=6.0),
 )  # fmt: skip
 
 LATER = (
@@ -78,7 +75,9 @@ LATER = (
          duration=20.0, events=(LinkDelay(When(1.0), down=False, growth=0.1),)),
     Case("everything 0.3 s later at once", End.HELD, phase=Phase.FOLLOW, lost_max=2.0,
          events=(LinkDelay(When(2.0), delay=0.3),)),
-    Case("60 ms each way from the start", End.FLOWN, link=BOTH_LATE[0.06]),
+    Case("60 ms each way from the start", End.FLOWN, link=BOTH_LATE[0.06], levels=LEVELS[:2]),
+    Case("60 ms each way from the start, at motors", End.REFUSED, or_end=(End.FLOWN, End.HELD), link=BOTH_LATE[0.06],
+         levels=LEVELS[2:]),
     Case("120 ms each way from the start", End.REFUSED, "ms|late|delay|s each way", link=BOTH_LATE[0.12]),
     Case("120 ms each way from the start, on the ground", End.REFUSED, "ms|late|delay|s each way",
          link=BOTH_LATE[0.12], begin=Begin.ON_THE_GROUND),
