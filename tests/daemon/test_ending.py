@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -98,12 +97,11 @@ def test_a_second_signal_ends_it_at_once(first: signal.Signals, tmp_path: Path) 
     while "hand back" not in (line := process.stderr.readline()):
         assert line
     process.send_signal(signal.SIGTERM)
-    begun = time.monotonic()
     code = process.wait(10.0)
-    assert time.monotonic() - begun < 0.5
     _, said = process.communicate(timeout=10.0)  # the plant is gone too: nobody holds the pipes
     assert code == 130
     assert "a second signal: the companion ends at once and hands nothing back; the vehicle is in" in said
+    assert "hand back ->" not in said  # it did not wait for the vehicle
     assert len(read_table(tmp_path / "flight" / "flight.npy").rows) > 10
 
 
