@@ -16,6 +16,7 @@ Matrix3 = tuple[float, float, float, float, float, float, float, float, float]
 """A 3x3 matrix, row by row: ``(R00, R01, R02, R10, ...)``."""
 
 TWO_PI = 2.0 * math.pi
+"""rad."""
 
 
 def wrap(angle: float) -> float:

@@ -26,6 +26,7 @@ from companion.vehicle import OutputLevel, Tuning, Vehicle
 HOVER_THRUST = 0.5
 """Normalised, where neither the vehicle nor its file says: PX4's own first guess."""
 SPEED_SAMPLES = 400
+"""places along the path among which the greatest speed is looked for (engineering choice)."""
 NOT_SAID = Tuning()
 AS_USUAL = Conduct()
 

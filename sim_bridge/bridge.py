@@ -42,6 +42,7 @@ TEXTS, TEXTS_PERIOD = 8, 0.1
 STICKS_US = 20_000
 """us between two samples of a pilot's sticks: a joystick's 50 Hz."""
 HOVER = Start.hover((0.0, 0.0, -10.0))
+"""10 m above the origin."""
 
 
 class Bridge:

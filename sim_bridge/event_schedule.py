@@ -20,6 +20,7 @@ from companion.world.events import (
 
 HAPPEN_ONCE = (EstimatorReset, ClockJump, Operator, PortChange)
 ROUNDING = 1e-9
+"""s that two sums of steps may differ by."""
 
 
 class Marks(NamedTuple):

@@ -20,7 +20,9 @@ AIRSPEED_MIN = 0.5
 PACED_EVERY = 0.02
 """s between two looks at height and airspeed."""
 ROOT_3 = math.sqrt(3.0)
+"""Of Dryden's transverse spectrum."""
 ROOT_HALF = math.sqrt(0.5)
+"""Of Dryden's transverse spectrum."""
 
 
 class GustyAir:

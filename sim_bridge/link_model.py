@@ -13,7 +13,10 @@ from sim_bridge.noise import RandomStream
 
 OVERTAKEN_FOR_US = 20_000
 """us a datagram that is overtaken comes later than it should."""
-MAGIC_V1, MAGIC_V2 = 0xFE, 0xFD
+MAGIC_V1 = 0xFE
+"""The first byte of a MAVLink 1 frame."""
+MAGIC_V2 = 0xFD
+"""The first byte of a MAVLink 2 frame."""
 Sent = tuple[int, bytes]
 """A datagram and the us it is on its way."""
 

@@ -21,7 +21,9 @@ from sim_bridge.autopilot.commands import Command, execute
 from sim_bridge.strangers import MODES
 
 GROUND_STATION_SYSTEM = 255
+"""QGroundControl's system id."""
 CUSTOM_MODE_ENABLED = 1.0
+"""MAV_MODE_FLAG_CUSTOM_MODE_ENABLED, DO_SET_MODE's first parameter."""
 NOT_GIVEN = math.nan
 COMMANDS: dict[Order, tuple[int, tuple[float, ...]]] = {
     Order.ARM: (MAV_CMD_COMPONENT_ARM_DISARM, (1.0,)),

@@ -20,7 +20,9 @@ BODY_RATE_MAX = 100.0
 """rad/s. Beyond this the fixed step no longer resolves the turning; a body rate stops here, as in PX4's SIH at 19."""
 
 OFF: Four = (0.0, 0.0, 0.0, 0.0)
+"""N, of each rotor."""
 STILL: Vec3 = (0.0, 0.0, 0.0)
+"""m/s or rad/s."""
 
 
 class Truth(NamedTuple):

@@ -18,6 +18,7 @@ from sim_bridge.plant import Truth
 RESETS_OF_A_BOOT = 11
 """What the reset counter stands at when an estimator has come up; PX4's stays there in flight."""
 ZERO: Vec3 = (0.0, 0.0, 0.0)
+"""No error."""
 
 
 class Estimate(NamedTuple):

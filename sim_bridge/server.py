@@ -25,7 +25,9 @@ Address = tuple[str, int]
 SLIP_BEYOND = 0.1
 """s behind from which the plant's time slips instead of being caught up."""
 RECEIVE_BUFFER = 1 << 20
+"""bytes the kernel keeps while the plant computes."""
 DATAGRAM_MAX = 65535
+"""bytes: the most UDP carries."""
 LOOPBACK = "127.0.0.1"
 
 
@@ -42,7 +44,9 @@ class Endpoint:
 
 
 COMPANION = Endpoint((LOOPBACK, 14580), (LOOPBACK, 14540))
+"""As PX4's simulation: from 14580 to 14540."""
 GROUND_STATION = Endpoint((LOOPBACK, 18570), (LOOPBACK, 14550))
+"""As PX4's simulation: from 18570 to 14550."""
 
 
 def endpoint_of(url: str) -> Endpoint:

@@ -13,7 +13,9 @@ PERIOD_US = {Saying.HEARTBEAT: 1_000_000, Saying.MODE: 100_000, Saying.STATE: 20
 ACTIVE, STANDBY = 4, 3  # MAV_STATE
 ARMED, CUSTOM_MODE_ENABLED = 0x80, 0x01  # MAV_MODE_FLAG
 LOCAL_NED = 1
+"""MAV_FRAME_LOCAL_NED."""
 MAVLINK_VERSION = 3
+"""HEARTBEAT's field, by the specification."""
 MODES = {
     Order.HOLD: Mode.HOLD,
     Order.LAND: Mode.LAND,

@@ -16,7 +16,9 @@ from sim_bridge.rotors import Four
 COLUMNS = (("t_boot", 1), ("p_n", 3), ("v_n", 3), ("q_nb", 4), ("w_b", 3), ("rotor_thrusts", 4), ("commands", 4))
 """Name and width: s, m, m/s, body to world, rad/s, N, the rotors' own units."""
 HEADER_SIZE = 512
+"""bytes: room for the number of rows to grow in."""
 BLOCK = 250
+"""rows written at once: a second's."""
 _ROW = struct.Struct(f"<{sum(width for _, width in COLUMNS)}d")
 
 

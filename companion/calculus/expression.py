@@ -27,7 +27,9 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Scalar]]] = {
 CONSTANTS = {"pi": math.pi}
 
 LENGTH_MAX = 2000
+"""characters of a formula (engineering choice)."""
 DEPTH_MAX = 60
+"""parentheses and functions inside one another (engineering choice)."""
 
 _OPERATORS: dict[type[ast.operator], Callable[[Scalar, Scalar], Scalar]] = {
     ast.Add: lambda a, b: a + b,

@@ -20,6 +20,7 @@ ArrayFunction = Callable[..., NDArray[np.float64]]
 
 _OPERATORS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 _NESTING_MAX = 12
+"""operations written into one expression of the generated code (engineering choice)."""
 
 
 class Symbol:

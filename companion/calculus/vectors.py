@@ -51,7 +51,9 @@ class Vector:
 
 
 ZERO = Vector(0.0, 0.0, 0.0)
+"""No length."""
 E3 = Vector(0.0, 0.0, 1.0)
+"""The paper's e3: down in NED, the thrust's axis in the body frame."""
 
 
 class Rotation:

@@ -28,7 +28,10 @@ from companion.world.words import air_in_words
 
 GUSTS_RECKONED = 2.0
 """Standard deviations of the gusts on top of the mean wind (engineering choice: 5 % of the gusts are stronger)."""
-FEASIBLE, NOT_FEASIBLE = 0, 1
+FEASIBLE = 0
+"""Exit code: the vehicle can fly it."""
+NOT_FEASIBLE = 1
+"""Exit code: it cannot."""
 PICTURES = (".png", ".svg", ".pdf")
 
 

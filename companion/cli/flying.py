@@ -28,7 +28,9 @@ from companion.record.learned import recalled, remembered, state_file
 from companion.vehicle import CompanionError, Vehicle
 
 WAIT_FOR_VEHICLE = 10.0
+"""s for a first heartbeat, which comes every second."""
 SPEED_SCALE_MAX = 1.5
+"""factor on the speed that a ground station may set at most (engineering choice)."""
 WORDS = {
     ControlAuthority.COMPANION: "Ctrl-C hands it back",
     ControlAuthority.PILOT: "the path is flown while the pilot has OFFBOARD selected",

@@ -15,7 +15,10 @@ from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
 from sim_bridge.strangers import source
 
-COMPANION_ENDPOINT, GROUND_STATION_ENDPOINT = 0, 1
+COMPANION_ENDPOINT = 0
+"""The bridge's endpoint for the companion."""
+GROUND_STATION_ENDPOINT = 1
+"""The bridge's endpoint for the ground station."""
 
 
 def fly(

@@ -19,6 +19,7 @@ from companion.services.plan_check import differences
 from companion.services.vehicle import ConnectedVehicle, ServiceError, connected
 
 POINTS = 60
+"""of the curve that is uploaded for the ground station's map."""
 
 
 def preflight(url: str, sortie: Sortie | None, *, upload: bool, as_json: bool) -> int:

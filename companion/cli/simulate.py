@@ -45,6 +45,7 @@ SIMULATED_FLUSH = 1.0
 OVERHEAD = 300.0
 """s of simulated time a flight may take beyond following."""
 WAIT_FOR_PLANT = 10.0
+"""s for the plant's process to be heard (engineering choice)."""
 STORY_PERIOD = 0.1
 """s between two looks at a flight in real time for what there is to tell (engineering choice)."""
 

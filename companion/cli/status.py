@@ -10,6 +10,7 @@ from companion.daemon.status_file import SILENT_AFTER, FlightStatus, read_status
 from companion.plain_text import printable
 
 LABEL = 9
+"""characters before a line's text."""
 NOTES_MAX, TEXT_MAX = 20, 300
 """Lines, and characters of a line, that are shown of one companion."""
 

@@ -22,6 +22,7 @@ from companion.mavlink.peer import Received, Source, source_words
 RECEIVE_BUFFER = 1 << 20
 """bytes. The default holds 256 small datagrams: a quarter of a second of a busy link."""
 DATAGRAM_MAX = 65535
+"""bytes: the most UDP carries."""
 BATCH_MAX = 4096
 """Datagrams that are drained before the newest state is acted on: more than the buffer holds after any stall."""
 

@@ -10,6 +10,7 @@ from companion.mavlink.signing import SIGNATURE_SIZE, SIGNED
 from companion.mavlink.telemetry import ODOMETRY
 
 STATE_ID = ODOMETRY.id.to_bytes(3, "little")
+"""ODOMETRY's message id as it stands in a MAVLink 2 header."""
 
 
 def split_by_priority(

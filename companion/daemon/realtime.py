@@ -13,8 +13,12 @@ PRIORITY = 50
 """SCHED_FIFO of the control thread: before all normal work, behind the kernel's own threads."""
 HELPER_PRIORITY = 40
 """Of a thread that shares the interpreter's lock with it: if other work held that thread up, it would hold the lock."""
-_MCL_CURRENT, _MCL_FUTURE = 1, 2
+_MCL_CURRENT = 1
+"""mlockall(2): pages that are mapped."""
+_MCL_FUTURE = 2
+"""mlockall(2): pages that will be."""
 _CAP_IPC_LOCK = 1 << 14
+"""capabilities(7): the bit that permits locking memory."""
 
 
 @contextlib.contextmanager

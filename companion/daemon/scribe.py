@@ -23,6 +23,7 @@ PERIOD = 0.25
 SYNC_PERIOD = 0.75
 """s between two syncs: with PERIOD and the sync itself a power cut costs less than two seconds of the record."""
 PROGRESS_PERIOD = 1.0
+"""s between two lines of progress."""
 LINES_WAITING = 1000
 """Lines that wait for a screen at most; the oldest is dropped."""
 NOTES = 5

@@ -37,12 +37,14 @@ from companion.frames import Vec3
 PER_AXIS = 6
 """Numbers of the state that each axis has: P, V, U, B, D, W."""
 AXES = 3
+"""north, east, down."""
 POSITION, VELOCITY, WANDER, VELOCITY_ERROR, DISTURBANCE, GUST = range(PER_AXIS)
 THRUST_SCALE = AXES * PER_AXIS
 """Index in the state."""
 DRAG = THRUST_SCALE + 1
 """Index in the state."""
 SIZE = THRUST_SCALE + 2
+"""states in all."""
 UPPER = tuple((i, j) for i in range(SIZE) for j in range(i, SIZE))
 AT = {pair: index for index, pair in enumerate(UPPER)}
 

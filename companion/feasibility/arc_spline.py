@@ -11,6 +11,7 @@ from scipy.sparse import csr_matrix, diags_array
 
 Array = NDArray[np.float64]
 DEGREE = 5
+"""of the spline of the squared speed: alpha is then C^3 and more, as the law asks."""
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from companion.feasibility.report import REPORTED_ONLY, Report
 
 SCHEMA = "companion.check/1"
 PROFILE_SAMPLES = 200
+"""rows of the speed profile in the JSON document."""
 HUGE = 1e9
 """What stands for values without end, which JSON does not know."""
 

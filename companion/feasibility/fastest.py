@@ -36,14 +36,22 @@ KNOTS_MIN, KNOTS_MAX = 12, 6000
 """A path with more knots than this (a flight of twelve minutes) is flown with the first profile, some 10 % slower."""
 PER_KNOT = 3
 """Places between two knots."""
-BARRIER_FIRST, BARRIER_STEP, BARRIER_LAST = 0.05, 0.1, 0.002
+BARRIER_FIRST = 0.05
+"""weight of the barrier to begin with."""
+BARRIER_STEP = 0.1
+"""factor from one weight to the next."""
+BARRIER_LAST = 0.002
+"""the last weight (see the module)."""
 NEWTON_STEPS = 40
+"""at most, at one weight of the barrier."""
 CONVERGED = 0.1
 """What another Newton's step would gain, over the weight of the barrier."""
 EXCESS_MAX = 1.004
 """What may be used between the places looked at, over the margin."""
 SMOOTHING = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9.0
+"""weights of five neighbouring knots: a triangle."""
 LOWERINGS = 60
+"""attempts at most to keep every limit."""
 
 
 class Fastest:

@@ -22,7 +22,9 @@ from companion.vehicle import Vehicle
 Array = NDArray[np.float64]
 
 REGULARITY_MIN = 0.01
+"""below it the law is close to singular (engineering choice)."""
 SCALE_MAX = 20.0
+"""factor on the speed up to which the fastest one is looked for."""
 NAMES = ("thrust_n", "tilt_deg", "motor", "body_rate_dps", "yaw_rate_dps", "path_radius_m", "regularity", "vdot_over_g")
 """The limits of the contract ``companion.check/1``."""
 REPORTED_ONLY = frozenset({"vdot_over_g"})

@@ -32,6 +32,7 @@ LABELS = {
 LEAST = frozenset({"path_radius_m", "regularity", "ground_clearance_m", "fence_m"})
 """What must be more than its limit."""
 COLUMN = 32
+"""characters of a line's name."""
 
 
 def headline(report: Report) -> str:

@@ -23,7 +23,9 @@ FLOWN_ON = {
 HOVER_APART = 1.6
 """The factor between two hover thrusts from which on they are not one vehicle's: more than a battery or a payload."""
 HOLD_ON_LOSS = 5
+"""PX4's COM_OBL_RC_ACT: Hold when offboard setpoints are lost."""
 SANE_ON_LOSS = {0: "Position", 1: "Altitude", 3: "Return", 4: "Land", 5: "Hold"}
+"""COM_OBL_RC_ACT that hands the vehicle to somebody or something that flies it on."""
 FATAL_ON_LOSS = {6: "Terminate", 7: "Disarm"}
 """COM_OBL_RC_ACT by what it does. 2, Stabilized, waits for sticks that may not be there."""
 

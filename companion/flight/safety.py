@@ -22,17 +22,26 @@ ESTIMATOR_PARTS = (
 )
 """The bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for."""
 CLOCK_JUMP = 0.5
+"""s that the vehicle's clock may run ahead of ours between two states (engineering choice)."""
 VELOCITY_OFF, RATES_OFF = 3.0, 1.5
 """m/s and rad/s that position and velocity, attitude and rates may disagree by (engineering choice: PX4's own differ by
 0.04 m/s, px4_flight.md, 4)."""
 TILT_ERROR = math.radians(40.0)
-RATE_ERROR, TURNING = 3.0, 1.0
+"""rad between the thrust axis asked for and the one flown (engineering choice)."""
+RATE_ERROR = 3.0
+"""rad/s between the rates asked for and flown (engineering choice)."""
+TURNING = 1.0
+"""rad/s: a vehicle that turns slower than that is not out of hand (engineering choice)."""
 BEHIND = 5
+"""states that arrive together with the newest, from which on the computer is behind (engineering choice)."""
 SLOW_RATE = 12.0
+"""Hz of states, of which fewer are not flown by; preflight asks for 20 (engineering choice)."""
 GAP, GAPS, GAPS_WITHIN = 0.1, 5, 10.0
 """s without a state that count as a gap; so many gaps within so many s are too many."""
 FENCE_AHEAD = 1.0
+"""m before the vehicle's own fence, which PX4 would act on (engineering choice)."""
 FAR_OFF = 1.0
+"""m from the path that a vehicle may be for a while and not for good (engineering choice)."""
 
 
 class Action(enum.IntEnum):

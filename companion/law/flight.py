@@ -41,6 +41,7 @@ from companion.profiles import ConstantYaw, SpeedOverArc, StoppingSpeed, Yaw, Ya
 from companion.vehicle import Vehicle
 
 ZERO3: Vec3 = (0.0, 0.0, 0.0)
+"""A vector of zeros, of any unit."""
 REGULARITY_MIN = 1e-4
 """The least regularity (see Command) at which the law is evaluated. Engineering choice: rounding is 1e-12 of it."""
 WEIGHTLESS = 1e-3
@@ -242,6 +243,7 @@ def curve_law(
 
 
 _NO_YAW = (0.0, 0.0, 0.0, 0.0)
+"""rad and its three derivatives over arc length: the heading of a path that asks for none."""
 
 
 def _taylor(derivatives: tuple[Vector, ...]) -> tuple[Vector, ...]:

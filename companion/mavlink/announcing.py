@@ -12,12 +12,15 @@ from companion.mavlink_common import MavSeverity
 
 TEXT, NAMED = message("STATUSTEXT"), message("NAMED_VALUE_FLOAT")
 TEXT_SIZE = 50
+"""characters of a STATUSTEXT."""
 TEXT_PERIOD = 0.5
 """s between two texts; a radio link is narrow."""
 WAITING_MAX = 8
+"""texts that wait; the oldest are left out."""
 SAME_AGAIN = 5.0
 """s before the same text is said again."""
 NUMBERS_PERIOD = 0.2
+"""s between two rounds of NAMED_VALUE_FLOAT: 5 Hz."""
 
 
 @dataclass

@@ -20,7 +20,9 @@ from companion.mavlink.dialect import FORMATS, Format, Value
 from companion.mavlink.signing import SETUP_SIGNING, SIGNATURE_SIZE, SIGNED, Signing
 
 MAGIC_V2 = 0xFD
+"""The first byte of a MAVLink 2 frame."""
 MAGIC_V1 = 0xFE
+"""The first byte of a MAVLink 1 frame."""
 
 LATE_FROM = 192
 """A sequence number so many ahead of the last one, of 256, is taken for one that is behind it."""

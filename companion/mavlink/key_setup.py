@@ -17,6 +17,7 @@ from companion.mavlink_common import MAV_COMP_ID_AUTOPILOT1, MAV_MODE_FLAG_SAFET
 ASK_PERIOD = 0.5
 """s between two SETUP_SIGNING, while the vehicle does not sign."""
 TRIES = 6
+"""times the key is sent: SETUP_SIGNING is not acknowledged."""
 LOOK_FOR = 1.5
 """s of the vehicle's frames that are looked at before the key is sent: it may sign already."""
 SIGNED_ENOUGH = 3

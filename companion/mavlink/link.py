@@ -36,6 +36,7 @@ AUTOPILOT_PX4 = 12
 """MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET."""
 
 HEARTBEAT_PERIOD = 1.0
+"""s, by the MAVLink specification."""
 TIMESYNC_PERIOD = 0.25
 ROUND_TRIPS = 9
 """of which the middle one counts: one that waited in a queue says nothing, a link that has become slower does."""

@@ -16,7 +16,9 @@ LIST, READ, SET = message("PARAM_REQUEST_LIST"), message("PARAM_REQUEST_READ"), 
 VALUE = message("PARAM_VALUE")
 WANTED = frozenset({LIST.id, READ.id, SET.id})
 REAL32 = 9
+"""MAV_PARAM_TYPE_REAL32."""
 EVERYBODY = 0
+"""The target system 0."""
 
 
 @dataclass

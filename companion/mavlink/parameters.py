@@ -24,8 +24,11 @@ RAW_SET = Format(SET.id, SET.name, "<4sBB16sB", dict.fromkeys(SET.fields, 0), SE
 WANTED = frozenset({VALUE.id, ERROR.id})
 
 INT_TYPES = {1: "B", 2: "b", 3: "H", 4: "h", 5: "I", 6: "i"}
+"""MAV_PARAM_TYPE to struct's codes."""
 REAL32 = 9
+"""MAV_PARAM_TYPE_REAL32."""
 RETRY_AFTER = 0.25
+"""s without an answer to a parameter's request (engineering choice)."""
 TRIES = 8
 """A name that nobody answers is given up after this many requests, RETRY_AFTER s apart."""
 

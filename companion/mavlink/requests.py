@@ -24,6 +24,7 @@ from companion.vehicle import Mode
 COMMAND_LONG = message("COMMAND_LONG")
 
 CUSTOM_MODE_ENABLED = 1.0
+"""MAV_MODE_FLAG_CUSTOM_MODE_ENABLED, DO_SET_MODE's first parameter."""
 
 RETRY_UNANSWERED = 0.5
 """s until a message that is set up is asked for again."""
@@ -31,6 +32,7 @@ ANSWER_WITHIN = 1.0
 """s after which no answer to a command is waited for: five times the slowest link that is flown with."""
 
 SET_UP_TRIES = 10
+"""times a command of the set-up is sent before the flight does without."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,7 @@ class Command:
 
 
 UNUSED = (math.nan,) * 7
+"""Parameters of a command that say nothing."""
 
 
 def set_mode(mode: Mode) -> Command:

@@ -12,8 +12,11 @@ SET_ACTUATOR_CONTROL_TARGET = message("SET_ACTUATOR_CONTROL_TARGET")
 SET_ATTITUDE_TARGET = message("SET_ATTITUDE_TARGET")
 
 IGNORE_ATTITUDE = 0x80
+"""SET_ATTITUDE_TARGET's type mask: rates are asked for."""
 IGNORE_RATES = 0x07
+"""SET_ATTITUDE_TARGET's type mask: an attitude is asked for."""
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
+"""q_nb that nobody reads."""
 
 
 def encoded(setpoint: Setpoint, t_boot: float, system: int, component: int) -> tuple[Format, tuple[Value, ...]]:

@@ -17,12 +17,15 @@ from companion.mavlink.dialect import message
 SIGNED = 0x01
 """The incompatibility flag of a signed frame."""
 SIGNATURE_SIZE = 13
+"""bytes at a signed frame's end: link id, stamp, signature (MAVLink 2 specification)."""
 KEY_SIZE = 32
+"""bytes of a signing key (MAVLink 2 specification)."""
 TICK = 1e-5
 """s of one count of a time stamp."""
 EPOCH = 1420070400
 """2015-01-01T00:00:00Z in s since 1970: where time stamps count from."""
 STAMP_MAX = (1 << 48) - 1
+"""The greatest stamp of 48 bits."""
 BEHIND_MAX = 6_000_000
 """Ticks, a minute: how far behind our own the first stamp of a new stream may be (MAVLink's guide)."""
 STREAMS_MAX = 64

@@ -15,9 +15,12 @@ COUNT, ITEM, ACK = message("MISSION_COUNT"), message("MISSION_ITEM_INT"), messag
 REQUEST_INT, REQUEST = message("MISSION_REQUEST_INT"), message("MISSION_REQUEST")
 WANTED = frozenset({REQUEST_INT.id, REQUEST.id, ACK.id})
 RETRY_AFTER = 1.0
+"""s without a request for the next item."""
 TRIES = 5
+"""before an upload is given up."""
 RESULTS = {0: "accepted", 1: "refused", 2: "frame not supported", 3: "not supported", 4: "no room", 5: "invalid",
            13: "out of sequence", 14: "denied", 15: "cancelled"}  # fmt: skip
+"""MAV_MISSION_RESULT in words."""
 
 
 class Place(NamedTuple):

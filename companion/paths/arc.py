@@ -18,6 +18,7 @@ from companion.frames import Vec3
 from companion.paths.placement import Placement
 
 NEWTON_STEPS = 8
+"""at most, to the nearest arc length."""
 NEAREST_TOLERANCE = 1e-4
 """m, the last step of a search. It leaves an error of its square over the radius: 1e-8 m of arc length, 1e-16 of
 distance."""

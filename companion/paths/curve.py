@@ -23,6 +23,7 @@ from companion.paths.placement import Placement
 from companion.paths.tracing import PathError
 
 NEWTON_STEPS = 12
+"""at most, to the nearest parameter."""
 REACH = 3.0
 """m along the curve that the closest point may lie from where it is sought, and as much again as the curve is away: a
 curve that crosses itself is not left for its other branch."""

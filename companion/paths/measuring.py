@@ -24,9 +24,11 @@ Many = Callable[[Array], Array]
 TURN_MAX = 0.3
 """rad of turning between two knots."""
 STRAY_MAX = 1e-9
+"""m between the curve and its table, below which a piece is good (engineering choice)."""
 STRAY_RANGE = (1e-8, 1e-6)
 """How far the table may stray from the curve: this share of the path's length, within these bounds in m."""
 KNOTS_MAX = 300_000
+"""of one curve's table (engineering choice)."""
 WIDTH_MIN = 1e-9
 """The least width of an interval over the whole range."""
 CORNER = 0.5
@@ -36,6 +38,7 @@ CLOSED_WITHIN = 1e-6
 SMOOTH_WITHIN = 1e-3
 """How well direction and bending (over the path's own scale) must agree where a closed curve meets itself."""
 NEWTON_STEPS = 12
+"""at most, from arc length to parameter."""
 
 _NODES, _WEIGHTS = (0.5 * np.polynomial.legendre.leggauss(6)[i] for i in (0, 1))
 _NODES = _NODES + 0.5

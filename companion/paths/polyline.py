@@ -24,6 +24,7 @@ PHI = np.array([-5.0 / 256.0, 0.0, 7.0 / 64.0, 0.0, -35.0 / 128.0, 0.0, 35.0 / 6
 SPLIT = 0.5
 """The share of a leg that a corner at its end may take."""
 TURN_MAX = math.radians(175.0)
+"""rad between two legs, beyond which no blend is wide enough."""
 APART_MIN = 1e-3
 """m between neighbouring points."""
 

@@ -26,8 +26,11 @@ TURN_MAX = 0.1
 STRAY_MAX = 1e-9
 """How far the table may stray from the curve between two knots, over the distance of the knots."""
 LENGTH_MAX = 100_000.0
+"""m of an implicit path: one that has not closed by then never will."""
 KNOTS_MAX = 20_000
+"""of an implicit path's table."""
 STEP_MIN = 1e-6
+"""m: where shorter steps would be needed, the curve is no curve."""
 REGULARITY_MIN = 1e-3
 """The least sine of the angle between the gradients on the curve."""
 
@@ -145,6 +148,7 @@ def _lies_ahead(first: Knot, here: Knot, step: float) -> bool:
 
 
 _NODES = [(float(x), float(w)) for x, w in zip(*np.polynomial.legendre.leggauss(6), strict=True)]
+"""of Gauss and Legendre's quadrature with six points."""
 
 
 def _segment(curve: _Curve, a: Knot, b: Knot) -> tuple[Piece, float, float]:

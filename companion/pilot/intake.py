@@ -31,6 +31,8 @@ WINDOW = 0.06
 MOVES_SURELY, TURNS_SURELY = 0.5, 0.06
 """m/s and rad/s from which on a change of less than STANDS of what they make of it is none."""
 STANDS = 0.3
+"""share of the change that velocity or rates make of a state, below which it counts as not moved (engineering
+choice)."""
 
 
 def take_in(memory: Memory, seen: Observation, now: float, *, clock_may_stand: bool) -> Memory:

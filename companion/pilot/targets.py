@@ -18,8 +18,9 @@ END_WITHIN = 0.35
 SCALE_RATE = 2.0
 """1/s, how quickly a new factor on the speed is taken up: critically damped."""
 JOIN_WITHIN = 0.6
+"""m from a point within which the vehicle is there (engineering choice)."""
 JOIN_SPEED = 0.5
-"""m and m/s: at a point and at rest."""
+"""m/s below which it is at rest there (engineering choice)."""
 REST_WITHIN, REST_SPEED = 0.018, 0.1
 """m and m/s: at rest in the end point of a path. Engineering choice: what the estimate of a quiet vehicle allows."""
 REST_FOR = 4.0

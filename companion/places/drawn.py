@@ -27,6 +27,7 @@ from companion.profiles import TangentYaw
 BETWEEN = 9
 """Places of the curve between two waypoints at which its distance from the straight leg is looked at."""
 FIRST_PARTS = 8
+"""legs a path is first divided into."""
 SPEED_STEP = 0.05
 """The share by which the speed must change to be worth an item."""
 SPEED_SPAN, LEG_MIN = 0.2, 1.0
@@ -34,6 +35,7 @@ SPEED_SPAN, LEG_MIN = 0.2, 1.0
 ACCEPTANCE = 1.0
 """m; where a waypoint says 0, PX4 takes 10."""
 FOR_EVER = -1.0
+"""DO_JUMP's repeat: without an end."""
 
 
 def drawn(mission: Mission, home: LocalFrame, tolerance: float) -> Plan:

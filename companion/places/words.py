@@ -12,6 +12,7 @@ from companion.mission import GlobalOrigin, Mission, Origin
 from companion.places.origins import PlaceError, VehicleLocation, home_in, placed
 
 SAMPLES = 2000
+"""points of the path its extent is taken from."""
 LOW = 1.0
 """m over the ground under which a height is worth a warning."""
 FAR = 2000.0

@@ -10,7 +10,10 @@ from companion.plans.items import AMSL_FRAMES, RELATIVE_FRAMES, FenceArea, Item,
 
 CRUISE_SPEED = 15.0
 """m/s, for fixed wings; QGroundControl asks for it."""
-PX4, QUADROTOR = 12, 2
+PX4 = 12
+"""MAV_AUTOPILOT_PX4."""
+QUADROTOR = 2
+"""MAV_TYPE_QUADROTOR."""
 RELATIVE_MODE, AMSL_MODE = 1, 2
 """QGroundControl's AltitudeMode."""
 

@@ -73,6 +73,7 @@ _ENDS = np.array(
         for k in range(4)
     ]
 )
+"""A quintic's value and two derivatives at both ends, from its coefficients."""
 _HERMITE = np.linalg.inv(_ENDS)
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 NEW_FILE = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 """A file of ours is a new one: never somebody else's, never through a symbolic link."""
 MODE = 0o644
+"""Permissions of a new file: others read."""
 
 
 class GrowingFile:

@@ -15,6 +15,7 @@ from companion.record.owned_files import read_owned, write_owned
 
 SCHEMA = "companion.learned/1"
 DAY = 86400.0
+"""s."""
 
 
 def state_directory() -> Path | None:

@@ -15,7 +15,10 @@ from pathlib import Path
 
 SIZE_MAX = 1 << 16
 """bytes of such a file, at most; ours have some hundreds."""
-PRIVATE, READABLE = 0o600, 0o644
+PRIVATE = 0o600
+"""Permissions: nobody else."""
+READABLE = 0o644
+"""Permissions: others read."""
 _DIRECTORY = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK  # a pipe in the file's place must not block
 

@@ -25,6 +25,7 @@ from companion.vehicle import (
 )
 
 NONE = -1
+"""An index of nothing."""
 FACTS = ("armed", "mode", "intended", "landed", "ready", "failsafe", "battery", "estimator")
 """The facts of VehicleStatus, each with the time when it was said."""
 
@@ -136,7 +137,9 @@ def _unnumber(value: float) -> float | None:
 
 
 _NO_STATE = (0, *(math.nan,) * 14, NONE)
+"""The columns of a state where there is none."""
 _NOT_SENT = (math.nan,) * 5
+"""The columns of a setpoint where none was sent."""
 
 
 def seen_part(observation: Observation, now: float) -> Row:

@@ -25,6 +25,7 @@ ROWS_WAITING = 20_000
 """Rows that wait for the disk at most: 80 s at 250 Hz in 10 MB (engineering choice)."""
 FLOAT32_MAX = float(np.finfo(np.float32).max)
 _RANGES = {"i": (-(2**31), 2**31 - 1), "b": (-128, 127)}
+"""The whole numbers each code holds."""
 
 
 class Column(NamedTuple):

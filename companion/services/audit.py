@@ -41,6 +41,7 @@ class Rule(NamedTuple):
 
 
 _ON_LOSS = {1: "Hold", 2: "Return", 3: "Land", 5: "Terminate", 6: "Disarm"}
+"""NAV_RCL_ACT and NAV_DLL_ACT in words."""
 NAMES: dict[str, dict[int, str]] = {
     "COM_OBL_RC_ACT": {2: "Stabilized", **SANE_ON_LOSS, **FATAL_ON_LOSS},
     "NAV_RCL_ACT": _ON_LOSS,

@@ -26,10 +26,13 @@ from companion.places.origins import VehicleLocation
 from companion.vehicle import CompanionError
 
 RATE_ASKED = 100.0
+"""Hz of ODOMETRY that preflight asks for."""
 RATE_OVER = 1.5
 """s over which the rate of ODOMETRY is measured."""
 HEARTBEAT_WITHIN = 10.0
+"""s for a first heartbeat, which comes every second."""
 PLACE_WITHIN = 15.0
+"""s for a place (engineering choice)."""
 
 
 class ServiceError(CompanionError):

@@ -17,6 +17,7 @@ from companion.thrust_range import ThrustRange, thrust_range
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
 
 NO_DISTURBANCE: Vec3 = (0.0, 0.0, 0.0)
+"""m/s^2, NED: motors are flown without an estimate of it."""
 LEVEL_FREQUENCY = 6.0
 """rad/s of the PD law that levels, critically damped. Engineering choice: PX4's MC_ROLL_P is 6.5 1/s."""
 YAW_DAMPING = 4.0

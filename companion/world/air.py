@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from companion.frames import Vec3
 
 FOOT = 0.3048
+"""m: MIL-F-8785C is written in feet."""
 LOWEST_FT, HIGHEST_FT = 10.0, 1000.0
 """The heights between which MIL-F-8785C states its low-altitude model, ft."""
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from companion.frames import Vec3
 
 NONE: Vec3 = (0.0, 0.0, 0.0)
+"""No error."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,7 @@ HURRIED = ("COM_OF_LOSS_T", "COM_RC_LOSS_T", "COM_DL_LOSS_T", "COM_DISARM_PRFLT"
 CELL_FULL = 4.05
 """V, from which the number of a battery's cells is told."""
 FLOAT_EPSILON = 1.1920929e-7
+"""Of float32, relative: PX4 takes nearer values for the same."""
 VOLATILE = frozenset(
     {"ASPD_SCALE_1", "COM_FLIGHT_UUID", "EKF2_MAG_DECL", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO", "SENS_DPRES_OFF"}
 )

@@ -17,6 +17,7 @@ from sim_bridge.sensors import Estimate
 POSITION_PERIOD = 0.008
 """s: the position loop runs at the rate of PX4's estimator."""
 STOPPED: Four = (0.0, 0.0, 0.0, 0.0)
+"""Motor commands of a vehicle that is not armed."""
 
 
 class Cascade:

@@ -18,7 +18,9 @@ NOTHING: Axes = (None, None, None)
 POSITION_P: Vec3 = (0.95, 0.95, 1.0)  # 1/s, MPC_XY_P, MPC_Z_P
 VELOCITY_P: Vec3 = (1.8, 1.8, 4.0)  # 1/s, MPC_XY_VEL_P_ACC, MPC_Z_VEL_P_ACC
 VELOCITY_I: Vec3 = (0.4, 0.4, 2.0)
+"""1/s^2: MPC_XY_VEL_I_ACC, MPC_Z_VEL_I_ACC (PX4's defaults)."""
 VELOCITY_D: Vec3 = (0.2, 0.2, 0.0)
+"""MPC_XY_VEL_D_ACC, MPC_Z_VEL_D_ACC (PX4's defaults)."""
 ACCELERATION_CUTOFF = 5.0  # Hz, MPC_VELD_LP
 SPEED_MAX = 12.0  # m/s, MPC_XY_VEL_MAX
 CLIMB_MAX = 3.0  # m/s, MPC_Z_VEL_MAX_UP

@@ -18,8 +18,11 @@ SIH_ANGULAR_ACCELERATION = (113.137085, 113.137085, 13.333333)
 """rad/s^2 that a torque of 1 gives PX4's simulated quadrotor (1 kg, arms of 0.2 m, 5 N and 0.1 N m a motor)."""
 PROPORTIONAL = (0.15, 0.15, 0.2)  # MC_ROLLRATE_P, MC_PITCHRATE_P, MC_YAWRATE_P
 INTEGRAL = (0.2, 0.2, 0.1)
+"""MC_ROLLRATE_I, MC_PITCHRATE_I, MC_YAWRATE_I (PX4's defaults)."""
 DERIVATIVE = (0.003, 0.003, 0.0)
+"""MC_ROLLRATE_D, MC_PITCHRATE_D, MC_YAWRATE_D (PX4's defaults)."""
 INTEGRAL_MAX = 0.3
+"""normalised torque: MC_RR_INT_LIM and its like (PX4's defaults)."""
 LAG_TIMES_GAIN_MAX = 0.85
 """What the proportional gain (1/s) times the motors' lag may be; PX4's own figures are there."""
 GYRO_CUTOFF = 40.0  # Hz, IMU_GYRO_CUTOFF

@@ -17,6 +17,7 @@ from companion.profiles import AutoSpeed, LookAt, SpeedExpression, TangentYaw, Y
 LOOK_AT_MIN = 0.5
 """m; nearer to a point there is no heading towards it."""
 VERTICAL = 1e-3
+"""length of a tangent's level part below which it has no heading."""
 CHECK_SAMPLES, CHECK_EVERY = 400, 5.0
 """At least so many places along a path, and one in so many m."""
 SPEED_JUMP, YAW_JUMP = 0.1, math.radians(2.0)

@@ -19,6 +19,7 @@ from companion.paths.placement import Placement
 
 HEIGHTS = ("above_home", "amsl")
 LIMITS = {"lat": 89.0, "lon": 180.0, "above_home": 10_000.0, "amsl": 10_000.0}
+"""degrees and m beyond which a place is none."""
 WORDS = {"lat": "latitude", "lon": "longitude", "above_home": "height", "amsl": "height"}
 EXAMPLE = "{lat: 47.3977, lon: 8.5456, above_home: 10}"
 

@@ -38,7 +38,9 @@ Poles = Annotated[list[Pole], Field(min_length=1, max_length=4)]
 PATH_POLE_MIN = {Level.MOTORS: 1.5, Level.RATES: 1.0}
 """1/s; slower poles are not gentler but unsafe: small gains make large errors, where the law is far from linear."""
 OTHER_POLE_MIN = 0.1
+"""1/s: slower holds nothing (engineering choice)."""
 POLE_MAX = 15.0
+"""1/s: faster than a rate loop follows (engineering choice)."""
 
 
 class PolesModel(Strict):

@@ -14,11 +14,15 @@ from companion.plans.items import FenceArea, Item, Place, Plan
 from companion.plans.scan import StructureScan, scan_items
 
 SUFFIXES = (".plan", ".waypoints")
-FIRMWARE_PX4, FIRMWARE_ANY = 12, 0
+FIRMWARE_PX4 = 12
+"""MAV_AUTOPILOT_PX4, as a plan's firmwareType."""
+FIRMWARE_ANY = 0
+"""MAV_AUTOPILOT_GENERIC: a plan for any firmware."""
 MULTIROTORS = frozenset({2, 13, 14, 15, 29, 35})
 """MAV_TYPE."""
 LANDING_PATTERNS = {"fwLandingPattern": "a fixed wing's landing", "vtolLandingPattern": "a VTOL's landing"}
 FAULTS_MAX = 50
+"""faults told of one file: more are the same one again."""
 
 
 def plan_from(text: str, file: str) -> tuple[Plan, Document]:

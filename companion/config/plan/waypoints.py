@@ -13,6 +13,7 @@ from companion.plans.areas import areas_among
 from companion.plans.items import AMSL_FRAMES, Item, Plan, PlanError
 
 FAULTS_MAX = 50
+"""faults told of one file: more are the same one again."""
 
 
 def is_waypoints(text: str, file: str) -> bool:

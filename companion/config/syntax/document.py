@@ -26,6 +26,7 @@ _WORDS = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
 }
 DEPTH_MAX = 20
+"""lists and mappings inside one another (engineering choice)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,6 +30,7 @@ from companion.world.link import Link, Way
 from companion.world.machine import Battery, Deviations, RotorDynamics
 
 COULOMB_PER_MAH = 3.6
+"""C in one mAh."""
 Three = Annotated[list[Annotated[float, Field(ge=-1e6, le=1e6)]], Field(min_length=3, max_length=3)]
 
 

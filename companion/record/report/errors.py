@@ -28,6 +28,7 @@ from companion.record.report.tracks import kept
 
 TIME = "time since following began, s"
 DASHES = (0, (3, 1.5))
+"""on and off, in line widths."""
 DECADES_APART = 100.0
 """From this ratio of the largest error to the settled one a logarithmic axis reads best."""
 

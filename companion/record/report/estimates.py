@@ -12,7 +12,9 @@ from companion.record.report.style import along_x, legend, named, spanned, stack
 from companion.record.report.tracks import kept
 
 FILE = (0, (2, 2))
+"""The dots of what the vehicle file says, in line widths."""
 HEIGHT = 3.6
+"""inches."""
 TIME = "time since following began, s"
 
 

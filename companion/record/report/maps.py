@@ -22,6 +22,7 @@ from companion.record.report.style import WIDTH, legend, plain, ramp_of_colours
 from companion.record.report.tracks import along, colour_bar, runs
 
 PATH_DASHES = (0, (5, 3))
+"""on and off, in line widths."""
 
 
 def from_above(evidence: Evidence) -> Figure:

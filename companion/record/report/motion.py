@@ -16,6 +16,7 @@ from companion.record.report.tracks import kept
 from companion.vehicle import OutputLevel
 
 DASHED = (0, (3, 1.5))
+"""on and off, in line widths."""
 
 
 class Window(NamedTuple):

@@ -127,6 +127,7 @@ LEAST = 1e-4
 """What is smaller than this in the unit shown is said to be so."""
 NOTHING = "–"
 _DIGITS = ((0.1, 4), (1.0, 3), (100.0, 2), (1000.0, 1))
+"""Decimals below a value."""
 
 
 def escaped(text: object) -> str:

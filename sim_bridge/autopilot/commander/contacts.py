@@ -7,6 +7,7 @@ from sim_bridge.autopilot.commander.commander import Commander
 from sim_bridge.autopilot.parameters import Parameters
 
 COMPANION_LOST_AFTER = 5.0
+"""s without a heartbeat of the companion (PX4: onboard controller timeout, 5 s)."""
 
 
 class Contacts:

@@ -22,8 +22,11 @@ REQUEST, MISSING = message("REQUEST_EVENT"), message("RESPONSE_EVENT_ERROR")
 PX4 = 1 << 24
 """The component the ids belong to, in their highest byte."""
 KEPT = 20
+"""events that can still be asked for (engineering choice)."""
 SEQUENCE_PERIOD_US = 3_000_000
+"""us between two CURRENT_EVENT_SEQUENCE (recorded)."""
 RESET_FLAG = 1
+"""MAV_EVENT_CURRENT_SEQUENCE_FLAGS_RESET."""
 REASONS = {"external command": 4, "mission start": 5, "landing": 6, "auto preflight disarming": 7, "failsafe": 14}
 """Why the vehicle was armed or disarmed."""
 ACTIONS = {
@@ -54,8 +57,13 @@ WITH_NUMBERS: tuple[tuple[re.Pattern[str], int, str], ...] = (
     (re.compile(r"Geofence violation for waypoint (\d+)"), 2831661, "<h"),
     (re.compile(r"SET_POSITION_TARGET_LOCAL_NED coordinate frame (\d+) unsupported"), 11552065, "<B"),
 )
+"""Texts with numbers: their event's id and the layout of its arguments."""
 BY_REASON = {"Armed by ": 9489139, "Disarmed by ": 16017271}
-FAILSAFE, FAILSAFE_AFTER_HOLD = 14605264, 4502496
+"""Texts with a reason, whose number is the argument."""
+FAILSAFE = 14605264
+"""Id of PX4's event for a failsafe that acts."""
+FAILSAFE_AFTER_HOLD = 4502496
+"""Id of PX4's event for a failsafe that holds first."""
 
 LEVELS = {FAILSAFE: 0x42, FAILSAFE_AFTER_HOLD: 0x42} | dict.fromkeys((2768743, 3092229, 10155243), 0x33)
 """Log levels that do not follow from the text's severity."""

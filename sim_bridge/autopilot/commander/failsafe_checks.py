@@ -36,6 +36,7 @@ _GEOFENCE = {
 }
 """GF_ACTION; anything else warns."""
 _BATTERY_CRITICAL = {1: Action.RTL, 2: Action.LAND, 3: Action.RTL, 4: Action.RTL}
+"""COM_LOW_BAT_ACT at BAT_CRIT_THR; anything else warns."""
 _BATTERY_EMERGENCY = {1: Action.RTL, 2: Action.LAND, 3: Action.LAND, 4: Action.TERMINATE}
 """COM_LOW_BAT_ACT at the two lower thresholds; anything else warns."""
 OFFBOARD_LOST = {

@@ -29,12 +29,14 @@ def bits(*modes: Mode) -> int:
 
 
 EVERY = 0x807FFFFF
+"""Every mode there is, as bits."""
 ALL_BITS = 0xFFFFFFFF
 """How PX4 writes both all modes and none in particular."""
 WITH_STICKS = bits(
     Mode.MANUAL, Mode.ALTITUDE, Mode.POSITION, Mode.POSITION_SLOW, Mode.ALTITUDE_CRUISE, Mode.ACRO, Mode.STABILIZED
 )  # fmt: skip
 WITH_A_PLACE = 0x007E00FC
+"""Modes that need the local position, as bits (recorded)."""
 WITH_THE_GLOBE = bits(Mode.MISSION, Mode.HOLD, Mode.RETURN)
 NOT_TO_ARM_IN = bits(
     Mode.RETURN, Mode.DESCEND, Mode.TERMINATION, Mode.LAND, Mode.FOLLOW, Mode.PRECISION_LAND, Mode.ORBIT
@@ -43,7 +45,11 @@ REMOTE_CONTROL, COMMUNICATION, LOCAL_POSITION, SYSTEM, GLOBAL_POSITION = 7, 12, 
 PRESENT = 0x38020D02
 """The parts PX4's simulation has as soon as it is up; GPS and the link to an operator come later."""
 GPS = 3
-ARMING_SUMMARY, HEALTH_SUMMARY = 11047904, 1914663
+"""Its part's number."""
+ARMING_SUMMARY = 11047904
+"""Id of PX4's event arming_check_summary."""
+HEALTH_SUMMARY = 1914663
+"""Id of PX4's event health_summary."""
 NO_STREAM, NOT_THIS_MODE, NO_PLACE, NO_GLOBE = 11464574, 1871713, 13835193, 10011251
 NO_MISSION, NO_STICKS, NO_OPERATOR = 377561, 453929, 6801787
 PROTOCOL, ERROR, WARNING, INFO = 0x88, 0x33, 0x44, 0x66

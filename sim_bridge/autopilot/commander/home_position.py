@@ -20,6 +20,7 @@ ORIGIN_AFTER, HOME_AFTER, POSITION_AFTER = 0.63, 1.9, 2.7
 CARRIED_AWAY = 1.0
 """m from home beyond which a vehicle on the ground takes the new place for its home."""
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
+"""An attitude: level, nose north."""
 
 
 class HomePosition:

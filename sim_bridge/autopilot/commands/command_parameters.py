@@ -13,7 +13,9 @@ COMMANDS_TAKE: dict[int, int] = TAKES | {
 }  # fmt: skip
 """One bit a parameter. A command that is given another is denied; commands not here take all."""
 WITH_A_PLACE = frozenset({21, 22, 23, 34, 35, 80, 84, 179, 187, 189, 192, 195, 201, 611, 30001, 43003})
+"""MAV_CMD whose COMMAND_INT carries a place."""
 LOCAL_FRAMES = frozenset({1, 4, 7, 8, 9, 12, 20, 21})
+"""MAV_FRAME in which x and y are metres times 1e4."""
 
 
 def stray(command: int, parameters: tuple[float, ...]) -> bool:

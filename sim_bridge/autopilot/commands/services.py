@@ -37,10 +37,16 @@ UNANSWERED = frozenset({
 })  # fmt: skip
 """MAV_CMD that PX4 leaves to cameras, mounts, loggers and the like, of which none is here to answer."""
 STORAGE_ACTIONS = range(5)
-RESET_CONFIGURATION, RESET_ALL = 2, 4
+"""PREFLIGHT_STORAGE's first parameter."""
+RESET_CONFIGURATION = 2
+"""PREFLIGHT_STORAGE: back to the defaults, sensors apart."""
+RESET_ALL = 4
+"""PREFLIGHT_STORAGE: back to the defaults, all of them."""
 LOAD, SAVE = 0, 1
 GRIPPER_ACTIONS = (0, 1)
+"""Release and grab."""
 SAFETY_STATES = (0, 1)
+"""Safe and dangerous."""
 MOTOR_FUNCTIONS = range(1, 13)  # ACTUATOR_OUTPUT_FUNCTION_MOTOR1..12
 MOTOR_UNIT = 101  # FAILURE_UNIT_SYSTEM_MOTOR
 

@@ -36,6 +36,7 @@ class ManualControlSetpoint(NamedTuple):
 
 
 CENTRED = ManualControlSetpoint(0.0, 0.0, 0.0, 0.0)
+"""Sticks that nobody moves."""
 
 
 class _Speed:

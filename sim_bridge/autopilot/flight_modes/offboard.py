@@ -10,6 +10,7 @@ from sim_bridge.control.position import Target
 from sim_bridge.sensors import Estimate
 
 STOP = (0.0, 0.0, 0.0)
+"""m/s."""
 
 
 class PositionFlight:

@@ -10,11 +10,21 @@ from sim_bridge.control.reference import Reference, TrajectoryLimits, along
 from sim_bridge.sensors import Estimate
 
 RADIUS_MIN = 1.0
+"""m, of PX4's orbit."""
 APPROACH = 0.5
 """1/s: how quickly a distance that is not the wanted one is made up for."""
 APPROACH_MOST = 5.0
+"""m/s towards the circle at most, where nothing is left for going round."""
 UNCHANGED = 4
-TO_THE_CENTRE, AS_BEGUN, ANYHOW, ALONG = 0, 1, 2, 3
+"""ORBIT_YAW_BEHAVIOUR: as it was."""
+TO_THE_CENTRE = 0
+"""ORBIT_YAW_BEHAVIOUR: the nose to the centre."""
+AS_BEGUN = 1
+"""ORBIT_YAW_BEHAVIOUR: as it pointed when it began."""
+ANYHOW = 2
+"""ORBIT_YAW_BEHAVIOUR: not controlled."""
+ALONG = 3
+"""ORBIT_YAW_BEHAVIOUR: along the circle."""
 
 
 class Orbit(NamedTuple):

@@ -23,7 +23,12 @@ from companion.mavlink_common import (
 from sim_bridge.control.position import NOTHING, Axes
 
 LOCAL, GLOBAL = message("SET_POSITION_TARGET_LOCAL_NED"), message("SET_POSITION_TARGET_GLOBAL_INT")
-FORCE, IGNORE_HEADING, IGNORE_HEADING_RATE = 1 << 9, 1 << 10, 1 << 11
+FORCE = 1 << 9
+"""POSITION_TARGET_TYPEMASK: the acceleration is a force."""
+IGNORE_HEADING = 1 << 10
+"""POSITION_TARGET_TYPEMASK: no heading is asked for."""
+IGNORE_HEADING_RATE = 1 << 11
+"""POSITION_TARGET_TYPEMASK: no rate of heading is asked for."""
 FARTHEST = 1e6
 """m, m/s, m/s^2: nothing beyond is arithmetic worth doing."""
 

@@ -32,12 +32,23 @@ _THRUST_BODY = ATTITUDE_TARGET.where["thrust_body"]
 _CONTROLS = ACTUATORS.where["controls"]
 _GROUP = ACTUATORS.where["group_mlx"]
 
-IGNORE_ROLL_RATE, IGNORE_PITCH_RATE, IGNORE_YAW_RATE = 0x01, 0x02, 0x04
-USE_THRUST_BODY, IGNORE_THROTTLE, IGNORE_ATTITUDE = 0x20, 0x40, 0x80
+IGNORE_ROLL_RATE = 0x01
+"""ATTITUDE_TARGET_TYPEMASK: no roll rate is asked for."""
+IGNORE_PITCH_RATE = 0x02
+"""ATTITUDE_TARGET_TYPEMASK: no pitch rate."""
+IGNORE_YAW_RATE = 0x04
+"""ATTITUDE_TARGET_TYPEMASK: no yaw rate."""
+USE_THRUST_BODY = 0x20
+"""ATTITUDE_TARGET_TYPEMASK: thrust_body counts."""
+IGNORE_THROTTLE = 0x40
+"""ATTITUDE_TARGET_TYPEMASK: thrust does not."""
+IGNORE_ATTITUDE = 0x80
+"""ATTITUDE_TARGET_TYPEMASK: the attitude does not."""
 
 RATE_MOST = 100.0
 """rad/s. PX4 passes any demand on; this only keeps absurd ones from overflowing the arithmetic."""
 THRUST_MOST = 10.0
+"""normalised: a thrust beyond it is garbage."""
 
 
 class MotorSetpoint(NamedTuple):

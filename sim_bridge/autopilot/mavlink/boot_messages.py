@@ -10,6 +10,7 @@ from collections.abc import Callable
 from companion.mavlink.dialect import Format, Value, message
 
 PARAMETERS_AT_US = 1_120_000
+"""us after boot (recorded)."""
 PARAMETERS = (
     "CAL_ACC0_ID", "CAL_ACC1_ID", "CAL_ACC2_ID", "CAL_BARO0_ID", "CAL_BARO0_PRIO", "CAL_GYRO0_ID", "CAL_GYRO1_ID",
     "CAL_GYRO2_ID", "CAL_MAG0_ID", "CAL_MAG0_PRIO", "CAL_MAG1_ID", "CAL_MAG1_PRIO", "SENS_BOARD_X_OFF",
@@ -17,7 +18,10 @@ PARAMETERS = (
 )  # fmt: skip
 GRIPPER_AT_US = (510_000, 1_330_000, 1_830_000, 2_350_000)
 """Nobody answers the first, so it is said again, to everybody, with a confirmation that counts."""
-DO_GRIPPER, GRAB = 211, 1.0
+DO_GRIPPER = 211
+"""MAV_CMD_DO_GRIPPER."""
+GRAB = 1.0
+"""GRIPPER_ACTION_GRAB."""
 _COMMAND = message("COMMAND_LONG")
 
 

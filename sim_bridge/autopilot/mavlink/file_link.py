@@ -17,6 +17,7 @@ from sim_bridge.autopilot.mavlink.files import DIRECTORIES, FILES
 FTP = message("FILE_TRANSFER_PROTOCOL")
 HEADER = struct.Struct("<HBBBBBBI")
 PAYLOAD = 251
+"""bytes of FILE_TRANSFER_PROTOCOL's payload."""
 DATA = PAYLOAD - HEADER.size
 BURST = 20
 """Packets a burst sends before it waits to be asked again."""

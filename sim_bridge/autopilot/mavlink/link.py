@@ -33,6 +33,7 @@ from sim_bridge.autopilot.missions.protocol import MissionLink
 HEARD_FOR_US = 2_500_000
 """us after its last heartbeat for which a ground station counts as listening."""
 TEXT_SIZE = 50
+"""characters of a STATUSTEXT."""
 POLL_US = 10_000
 """The period at which PX4 looks at what it owes to a link."""
 NOT_ON_REQUEST = frozenset({message("GPS_RAW_INT").id, message("TIME_ESTIMATE_TO_TARGET").id, message("PING").id})

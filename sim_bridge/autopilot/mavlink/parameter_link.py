@@ -19,6 +19,7 @@ _RAW_VALUE = Format(_VALUE.id, _VALUE.name, "<4sHH16sB", dict.fromkeys(_VALUE.fi
 """PARAM_VALUE with its value as bytes: an integer's bits in a float may be a NaN that arithmetic would change."""
 HASH = "_HASH_CHECK"
 HASH_INDEX = 65535
+"""The index of a parameter outside the list."""
 UINT32, INT32, REAL32 = 5, 6, 9  # MAV_PARAM_TYPE
 DOES_NOT_EXIST, READ_ONLY, TYPE_UNSUPPORTED, TYPE_MISMATCH = 1, 5, 6, 7  # MAV_PARAM_ERROR
 BURST = 10

@@ -14,13 +14,21 @@ SENSORS_PRESENT, SENSORS_ENABLED, SENSORS_HEALTHY = 0x0300C02F, 0x0301C02F, 0x03
 WITHOUT_POSITION = ~0x4020
 """Without position control and GPS: before the estimator has settled."""
 PREARM_CHECK = 0x10000000
+"""MAV_SYS_STATUS_PREARM_CHECK."""
 VOLTAGE_FULL, VOLTAGE_EMPTY = 16200, 14400  # mV, four cells
-ESTIMATOR_STARTING, ESTIMATOR_GOOD = 164, 1023
+ESTIMATOR_STARTING = 164
+"""ESTIMATOR_STATUS_FLAGS before the position is known (recorded)."""
+ESTIMATOR_GOOD = 1023
+"""ESTIMATOR_STATUS_FLAGS once it is (recorded)."""
 STANDING_STILL = 128  # ESTIMATOR_CONST_POS_MODE: only on the ground
 RETURN_MARGIN = 100.0  # s, RTL_TIME_MARGIN
 RETURN_FACTOR = 1.1  # RTL_TIME_FACTOR
 GNSS_ID = 4
-NOT_TOLD_8, NOT_TOLD_16 = 255, 65535
+"""The receiver's id (recorded)."""
+NOT_TOLD_8 = 255
+"""uint8: nobody knows."""
+NOT_TOLD_16 = 65535
+"""uint16: nobody knows."""
 
 
 def sys_status(a: Autopilot) -> Values:

@@ -14,13 +14,16 @@ from sim_bridge.autopilot.messages.parts import Values
 QUADROTOR, PX4 = 2, 12  # MAV_TYPE, MAV_AUTOPILOT
 ARMED, MANUAL_INPUT, STABILIZED, GUIDED, AUTO, CUSTOM = 0x80, 0x40, 0x10, 0x08, 0x04, 0x01
 CAPABILITIES = 0xE8FF
+"""MAV_PROTOCOL_CAPABILITY as PX4's simulation tells them."""
 SET_ACTUATOR_TARGET = 0x0400
 """MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET: this autopilot takes motor commands."""
 VERSION = 1 << 24 | 19 << 16  # 1.19.0, development
 SYSTEM_VERSION = 6 << 24 | 1 << 16 | 255
+"""Of the operating system: 6.1.0, a release."""
 BUILD = (0, 0, 0, 0x52, 0x4F, 0x54, 0x4F, 0x52)
 """Where PX4 tells the hash of its build: a sign of the stand-in for those who look."""
 UID = 0x5354_414E_4449_4E31
+"""Of the vehicle; any number will do."""
 
 
 def heartbeat(a: Autopilot) -> Values:

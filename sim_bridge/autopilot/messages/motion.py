@@ -20,15 +20,21 @@ from sim_bridge.autopilot.messages.parts import (
 )
 
 NO_OFFSET = (0.0, 0.0, 0.0, 0.0)
+"""The quaternion of a vehicle that is not tilted by its mounting: all zeros."""
 POSE_COVARIANCE = (0.04, *(0.0,) * 5, 0.04, *(0.0,) * 4, 0.013, *(0.0,) * 3, 4e-4, 0.0, 0.0, 4e-4, 0.0, 0.035)
+"""m^2 and rad^2, upper triangle (recorded)."""
 VELOCITY_COVARIANCE = (0.012, *(0.0,) * 5, 0.012, *(0.0,) * 4, 0.0036, *(0.0,) * 9)
+"""m^2/s^2, upper triangle (recorded)."""
 LOCAL_NED = 1
+"""MAV_FRAME_LOCAL_NED."""
 AUTOPILOT_ESTIMATOR = 8  # MAV_ESTIMATOR_TYPE_AUTOPILOT
 FIELD_N = (0.21, 0.01, 0.43)
 """gauss, the earth's magnetic field at the default home."""
 GRAVITY_MG = 9.80665e-3
+"""m/s^2 in one thousandth of g."""
 DOWNWARDS = 25  # MAV_SENSOR_ROTATION_PITCH_270
 RANGE_MAX_CM = 10_000
+"""cm: what PX4's simulated range finder tells."""
 
 
 def attitude(a: Autopilot) -> Values:

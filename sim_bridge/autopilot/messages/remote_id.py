@@ -14,9 +14,11 @@ SERIAL = tuple(b"STAND-IN".ljust(20, b"\0"))
 ON_GROUND, AIRBORNE = 1, 2  # MAV_ODID_STATUS
 ACCURACY = {"horizontal_accuracy": 12, "vertical_accuracy": 5, "barometer_accuracy": 0, "speed_accuracy": 3}
 TIME_NOT_KNOWN = 65535.0
+"""s after the hour: nobody knows."""
 SINCE = 1_546_300_800
 """s, 1 January 2019: where Open Drone ID counts from."""
 UNKNOWN_HEIGHT = -1000.0
+"""m: nobody knows."""
 
 
 def basic_id(a: Autopilot) -> Values:

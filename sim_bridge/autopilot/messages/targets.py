@@ -24,7 +24,9 @@ from sim_bridge.rotors import Four
 MOTOR_OFF = 900
 """What SERVO_OUTPUT_RAW tells of a motor that is disarmed or not there, us of a servo pulse."""
 IDLE_THRUST = 0.001
+"""normalised: less and the motor stands."""
 FULL_SPEED_RPM = 10_000.0
+"""1/min at full command: a figure for the display."""
 BY_STICK = (2, 3)
 """Main modes that a pilot flies through the position loop."""
 ONLINE = 15

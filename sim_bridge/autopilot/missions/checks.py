@@ -9,6 +9,7 @@ from companion.mavlink_common import MAV_CMD_NAV_LAND, MAV_CMD_NAV_TAKEOFF, MAV_
 from sim_bridge.autopilot.missions.items import Item
 
 VTOL = {84, 85, 3000}
+"""MAV_CMD that only a VTOL flies."""
 
 
 def fault_of(

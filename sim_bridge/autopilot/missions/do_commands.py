@@ -26,6 +26,7 @@ from sim_bridge.sensors import Estimate
 
 ROI_BY_PLACE = 3  # MAV_ROI_LOCATION
 USE_HERE = 0.5
+"""DO_SET_HOME's first parameter: beyond it, here."""
 
 
 class DoCommands:

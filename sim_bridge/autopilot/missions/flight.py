@@ -31,6 +31,7 @@ _STAYS = {MAV_CMD_NAV_LOITER_UNLIM}
 _WAITS = {MAV_CMD_NAV_WAYPOINT, MAV_CMD_NAV_LOITER_TIME}
 """Commands whose first parameter is a time (s) to spend there."""
 _JUMPS_IN_A_ROW = 10
+"""DO_JUMP without another item between them: more never come to an end."""
 
 
 class Leg(NamedTuple):

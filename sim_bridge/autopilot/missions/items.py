@@ -61,6 +61,7 @@ class Item(NamedTuple):
 
 
 _PLACES = {16, 17, 19, 21, 22, 31, 84, 85}
+"""MAV_CMD of items that say where to fly."""
 _WITH_A_PLACE = {
     16, 17, 19, 21, 22, 31, 80, 84, 85, 195, 201, 212, 400, 4501, 5000, 5001, 5002, 5003, 5004, 5100,
 }  # fmt: skip
@@ -81,6 +82,7 @@ _KEEPS: dict[int, tuple[int, ...]] = {
 }  # fmt: skip
 """Which of the first four parameters of a command with a place are kept; yaw apart."""
 _YAWS = {16, 17, 21, 22, 84, 85}
+"""MAV_CMD of items whose fourth parameter is a heading."""
 _FLAGS = {19: (1, 3), 31: (0, 3)}
 """Parameters that are kept as yes or no."""
 

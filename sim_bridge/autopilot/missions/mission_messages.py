@@ -14,7 +14,11 @@ ACK, COUNT, CURRENT = (message(f"MISSION_{name}") for name in ("ACK", "COUNT", "
 REQUEST, REQUEST_INT = message("MISSION_REQUEST"), message("MISSION_REQUEST_INT")
 REACHED = message("MISSION_ITEM_REACHED")
 NONE_TOTAL = 65535
-FLOWN, NOT_FLOWN = 1, 2
+"""MISSION_CURRENT's total: there is no mission."""
+FLOWN = 1
+"""MISSION_CURRENT's mission_mode: in mission mode."""
+NOT_FLOWN = 2
+"""MISSION_CURRENT's mission_mode: suspended."""
 
 Send = Callable[[Format, tuple[Value, ...]], None]
 Peer = tuple[int, int]

@@ -34,8 +34,11 @@ TELL_US = 1_000_000
 REACHED_AGAIN = 10
 """How many times it is told again that an item was reached."""
 OUR_COMPONENTS = (0, 1, 190)
+"""MAV_COMP_ID that a mission message may be meant for: all, the autopilot, the mission planner."""
 TOO_FEW_CORNERS = 3
+"""of a fence's polygon."""
 _NOT_A_MISSION = {5001, 5002, 5003, 5004, 5100}
+"""MAV_CMD of fences and rally points."""
 
 _CLEAR, _LIST, _SET_CURRENT = (message(f"MISSION_{name}") for name in ("CLEAR_ALL", "REQUEST_LIST", "SET_CURRENT"))
 

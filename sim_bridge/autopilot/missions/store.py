@@ -18,6 +18,7 @@ class Kind(enum.IntEnum):
 MOST = {Kind.MISSION: 500, Kind.FENCE: 64, Kind.RALLY: 32}
 """How many items each list takes."""
 ALL = 255
+"""MAV_MISSION_TYPE_ALL."""
 
 
 class Store:
