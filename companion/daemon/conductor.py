@@ -105,6 +105,7 @@ class Conductor:
         self._rate: float | None = None
         self._newest = (0, -math.inf)
         self._late = 0.0
+        self.link.clock.may_stand = orders.conduct.at_once
         self._stream = stream
         self._stop = False
         self.preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes)

@@ -29,11 +29,14 @@ PACE_OVER, PACE_FIRST = 2.0, 0.1
 @dataclass(slots=True)
 class VehicleClock:
     """One vehicle's clock. ``pace``: s of it a second of ours, None until measured. ``may_restart``: nothing flies, so
-    a vehicle whose clock begins anew is taken again. ``restarts``: how often that was."""
+    a vehicle whose clock begins anew is taken again. ``restarts``: how often that was. ``may_stand``: a simulated
+    vehicle whose clock stands until its first setpoint; what passes until then is no lateness."""
 
     pace: float | None = None
     may_restart: bool = True
     restarts: int = 0
+    may_stand: bool = False
+    _stands_at: float | None = None
     _best: float = math.inf
     _at: float = -math.inf
     _floor: float = -math.inf
@@ -44,6 +47,11 @@ class VehicleClock:
     def late(self, t_boot: float, now: float) -> float:
         """s by which a state that arrives at ``now`` is older than the youngest this link has brought."""
         apart = now - t_boot
+        if self.may_stand:
+            if self._stands_at is None or t_boot == self._stands_at:
+                self._stands_at, self._best, self._at = t_boot, apart, now
+                return 0.0
+            self.may_stand = False
         best = self._best + DRIFT_UNPROVEN * (now - self._at) if self._at > -math.inf else math.inf
         self._at = now
         if apart < best:
