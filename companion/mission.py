@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from companion.calculus.scalar import Scalar
 from companion.fence import Fence
@@ -68,6 +69,16 @@ class Start:
     rates_b: Vec3 = (0.0, 0.0, 0.0)
 
 
+class PathAction(NamedTuple):
+    """What the payload is to do at a place of the path: the arc length ``s`` in m, MAV_CMD and its seven parameters,
+    the ``number`` of the plan's item."""
+
+    s: float
+    command: int
+    params: tuple[float, ...]
+    number: int
+
+
 @dataclass(frozen=True)
 class Mission:
     """``path``: where. ``speed``, ``yaw``: alpha and beta along it. ``gains``: for the level that is flown, None where
@@ -76,7 +87,8 @@ class Mission:
     coordinates. ``repeat``: what follows the end of an open path; None: it ends there. ``fence``: where the vehicle may
     be, in the mission's coordinates. ``notes``: what of the file is not flown, in sentences for the pilot. ``home``:
     where its file, or who reads it, says that home is. ``home_told``: what of that was told beside the file.
-    ``mixed_heights``: heights above home and above the sea meet in it, so that its shape hangs on home's altitude."""
+    ``mixed_heights``: heights above home and above the sea meet in it, so that its shape hangs on home's altitude.
+    ``actions``: of the payload, by arc length."""
 
     name: str
     path: Path
@@ -95,6 +107,7 @@ class Mission:
     home: Home | None = None
     home_told: HomeTold = NOTHING_TOLD
     mixed_heights: bool = False
+    actions: tuple[PathAction, ...] = ()
 
     def placed(self, origin_n: Vec3, turn: float | None = None) -> Mission:
         """The mission with its origin at ``origin_n`` of the vehicle's local frame, its axes turned by ``turn`` (rad,

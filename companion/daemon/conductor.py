@@ -14,6 +14,7 @@ from companion import pilot
 from companion.daemon.ground import WANTED as GROUND_WANTED
 from companion.daemon.ground import GroundSide
 from companion.daemon.orders import Orders
+from companion.daemon.payload import Payload
 from companion.daemon.preparing import Preparation
 from companion.estimation.learned import Learned
 from companion.flight.phases import Phase, Request
@@ -99,6 +100,7 @@ class Conductor:
         self.memory: Memory | None = None
         self.notes: list[str] = []
         self.ground = GroundSide(self.link.send, self.notes.append, orders.conduct.speed_scale_max)
+        self.payload = Payload(self.notes.append)
         self.last: Tick | None = None
         self.states = 0
         self._count, self._counted_at = 0, now
@@ -215,6 +217,7 @@ class Conductor:
         self._now = now
         self.link.on_timer(now)
         self.parameters.on_timer(now)
+        self.payload.on_timer(now)
         self.preparation.restored()
         self.ground.on_timer(now)
         if now >= self._wake_at:
@@ -222,7 +225,8 @@ class Conductor:
 
     def next_timer(self) -> float:
         """When ``on_timer`` wants to be called."""
-        return min(self.link.next_timer(), self.parameters.next_timer(), self.ground.next_timer(), self._wake_at)
+        waiting = (self.link, self.parameters, self.ground, self.payload)
+        return min(*(part.next_timer() for part in waiting), self._wake_at)
 
     def datagrams(self) -> list[bytes]:
         """What is to be sent now, the setpoint first."""
@@ -292,11 +296,14 @@ class Conductor:
             self._queue(self.memory, outcome.setpoint)
         if outcome.sent and outcome.request is not None and self.memory.asking is not None:
             self.link.requests.ask(COMMANDS[outcome.request], self.memory.asking.tries - 1, now)
+        if outcome.actions:
+            self.payload.send(outcome.actions, self.link.requests, now)
         self._wake_at = pilot.wake_at(self.memory, now)
         self.notes += outcome.notes
         self.last = self._pending = Tick(seen, self.memory, outcome, now, before)
         self.ground.told(self.plan, self.memory, outcome, self.memory.first_fault is not None, now)
         if self._over:
+            self.payload.finish()
             self.preparation.restore(now)
 
     def _queue(self, memory: Memory, setpoint: Setpoint) -> None:
@@ -322,6 +329,8 @@ class Conductor:
             self.ground.draw(self.plan, LocalFrame(*origin), identity.system)
 
     def _answer(self, command: requests.Command, result: int) -> Answer | None:
+        if self.payload.answered(command, result):
+            return None
         for request, known in COMMANDS.items():
             if known == command and result in range(len(Reply)):
                 return Answer(request, Reply(result))

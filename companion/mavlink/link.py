@@ -19,6 +19,7 @@ from companion.mavlink.signing import Signing
 from companion.mavlink_common import (
     MAV_AUTOPILOT_INVALID,
     MAV_COMP_ID_AUTOPILOT1,
+    MAV_COMP_ID_CAMERA,
     MAV_COMP_ID_ONBOARD_COMPUTER,
     MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET,
     MAV_STATE_ACTIVE,
@@ -121,10 +122,17 @@ class Link:
         identity = self.identity
         return identity is not None and frame.system == identity.system and frame.component == MAV_COMP_ID_AUTOPILOT1
 
+    def _of_camera(self, frame: Frame) -> bool:
+        """Whether the vehicle's camera sent this frame."""
+        identity = self.identity
+        return identity is not None and frame.system == identity.system and frame.component == MAV_COMP_ID_CAMERA
+
     def receive(self, frame: Frame, now: float) -> tuple[Command, int] | None:
         """Take a frame in. The command that stands wanted and its MAV_RESULT, where the frame answers it."""
         if frame.format is HEARTBEAT:
             self._meet(frame, now)
+        elif frame.format is COMMAND_ACK and self._of_camera(frame):
+            return self._acknowledged(frame, now)
         elif not self.of_vehicle(frame):
             return None
         elif frame.format is COMMAND_ACK:
@@ -193,7 +201,7 @@ class Link:
         command, result, _, _, system, component = frame.values
         if (system, component) not in ((0, 0), (self.encoder.system, self.encoder.component)):
             return None
-        return self.requests.acknowledged(command, result, now)
+        return self.requests.acknowledged(command, result, now, frame.component)
 
     def _identify(self, frame: Frame) -> None:
         values = AUTOPILOT_VERSION.named(frame.values)
@@ -222,7 +230,7 @@ class Link:
 
     def _command(self, command: Command, confirmation: int) -> None:
         assert self.identity is not None
-        target = (self.identity.system, MAV_COMP_ID_AUTOPILOT1)
+        target = (self.identity.system, command.component)
         self.send(COMMAND_LONG, (*command.padded, command.id, *target, confirmation))
 
 

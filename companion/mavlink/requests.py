@@ -14,10 +14,19 @@ from companion.mavlink.dialect import message
 from companion.mavlink_common import (
     MAV_CMD_COMPONENT_ARM_DISARM,
     MAV_CMD_DO_SET_MODE,
+    MAV_CMD_IMAGE_START_CAPTURE,
+    MAV_CMD_IMAGE_STOP_CAPTURE,
     MAV_CMD_NAV_LAND,
     MAV_CMD_NAV_TAKEOFF,
     MAV_CMD_REQUEST_MESSAGE,
+    MAV_CMD_SET_CAMERA_FOCUS,
+    MAV_CMD_SET_CAMERA_MODE,
+    MAV_CMD_SET_CAMERA_ZOOM,
     MAV_CMD_SET_MESSAGE_INTERVAL,
+    MAV_CMD_VIDEO_START_CAPTURE,
+    MAV_CMD_VIDEO_STOP_CAPTURE,
+    MAV_COMP_ID_AUTOPILOT1,
+    MAV_COMP_ID_CAMERA,
 )
 from companion.vehicle import Mode
 
@@ -37,10 +46,11 @@ SET_UP_TRIES = 10
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """A COMMAND_LONG: its id and seven parameters."""
+    """A COMMAND_LONG: its id, seven parameters, and the component of the vehicle that it is for."""
 
     id: int
     parameters: tuple[float, ...] = ()
+    component: int = MAV_COMP_ID_AUTOPILOT1
 
     @property
     def padded(self) -> tuple[float, ...]:
@@ -50,6 +60,11 @@ class Command:
 
 UNUSED = (math.nan,) * 7
 """Parameters of a command that say nothing."""
+CAMERA_COMMANDS = frozenset({
+    MAV_CMD_SET_CAMERA_MODE, MAV_CMD_SET_CAMERA_ZOOM, MAV_CMD_SET_CAMERA_FOCUS, MAV_CMD_IMAGE_START_CAPTURE,
+    MAV_CMD_IMAGE_STOP_CAPTURE, MAV_CMD_VIDEO_START_CAPTURE, MAV_CMD_VIDEO_STOP_CAPTURE,
+})  # fmt: skip
+"""What MAVLink's camera protocol gives to the camera's own component."""
 
 
 def set_mode(mode: Mode) -> Command:
@@ -71,6 +86,11 @@ def request(msgid: int) -> Command:
 def stream(msgid: int, rate: float) -> Command:
     """Asks for a message at ``rate`` Hz."""
     return Command(MAV_CMD_SET_MESSAGE_INTERVAL, (float(msgid), float(round(1e6 / rate))))
+
+
+def payload(command: int, parameters: tuple[float, ...]) -> Command:
+    """A command for the payload: a MAVLink camera's own for the camera, the others for the autopilot."""
+    return Command(command, parameters, MAV_COMP_ID_CAMERA if command in CAMERA_COMMANDS else MAV_COMP_ID_AUTOPILOT1)
 
 
 @dataclass(slots=True)
@@ -103,21 +123,24 @@ class Requests:
         self._unanswered.append((command, now))
         self.send(command, min(confirmation, 255))
 
-    def acknowledged(self, command: int, result: int, now: float) -> tuple[Command, int] | None:
+    def acknowledged(
+        self, command: int, result: int, now: float, component: int = MAV_COMP_ID_AUTOPILOT1
+    ) -> tuple[Command, int] | None:
         """A COMMAND_ACK for us. The command of the flight that it answers, and its MAV_RESULT.
 
         The autopilot answers in order: where several with the same id wait, it is the oldest one's. So an answer may be
         taken for another's that was lost, and its own command is then sent once more; never is a command taken for
         accepted that was not.
         """
-        if self._setting_up is not None and command == self._setting_up.command.id:
+        setting_up = self._setting_up if component == MAV_COMP_ID_AUTOPILOT1 else None
+        if setting_up is not None and command == setting_up.command.id:
             # the autopilot answers in order, so the answer is to the one that was sent last
-            if result != 1 or self._setting_up.tries > 3:
+            if result != 1 or setting_up.tries > 3:
                 self._next_set_up(now)
             return None
         self._unanswered = [(asked, at) for asked, at in self._unanswered if now - at < ANSWER_WITHIN]
         for index, (asked, _) in enumerate(self._unanswered):
-            if asked.id == command:
+            if asked.id == command and asked.component == component:
                 del self._unanswered[index]
                 return asked, result
         return None

@@ -2,6 +2,7 @@
 
 memory   what is seen, remembered and done, as values
 targets  what is aimed at in each phase, and how fast the path is flown just now
+payload  what the payload is to do where the path comes to it
 inputs   what the guards look at, gathered from memory and observation
 tick     the tick itself
 

@@ -14,6 +14,7 @@ from companion.flight.safety import NOTHING_SINCE, Since
 from companion.flight.situation import Answer
 from companion.frames import Vec3
 from companion.law.speed_scale import UNITY, SpeedScale
+from companion.mission import PathAction
 from companion.steering.steering import At, Steered, SteeringMemory
 from companion.vehicle import Mode, Setpoint, VehicleState, VehicleStatus
 
@@ -98,6 +99,15 @@ class Missing(NamedTuple):
     told: bool = False
 
 
+class PayloadProgress(NamedTuple):
+    """How far the payload's commands are. ``start``: m from the path's beginning in the way it is flown, where
+    following began; ``reach``: m from there on the same count up to which they were sent. ``sent``: how many."""
+
+    start: float
+    reach: float
+    sent: int
+
+
 class Memory(NamedTuple):
     """What the pilot remembers from tick to tick.
 
@@ -110,8 +120,8 @@ class Memory(NamedTuple):
     ``reached``: the path was reached in this leg. ``scale``: the factor on the speed and its rate, 1/s. ``since``: of
     the safety rows. ``first_fault``: why the flight is not going to be completed, ``fault_event`` its kind, ``advice``
     what to do then; ``last_event``: what began the phase. ``done``: for the sentence it ends with. ``missing``:
-    before it begins. ``shown``:
-    on the bench.
+    before it begins. ``shown``: on the bench. ``payload``: of this leg, None before its first tick; ``payload_sent``:
+    commands in the legs before.
     """
 
     phase: Phase = Phase.PREFLIGHT
@@ -146,6 +156,8 @@ class Memory(NamedTuple):
     done: Done = Done()
     missing: Missing | None = None
     shown: Shown = NOTHING_SHOWN
+    payload: PayloadProgress | None = None
+    payload_sent: int = 0
 
     @property
     def place(self) -> Vec3:
@@ -158,7 +170,8 @@ class Outcome(NamedTuple):
     """What is done at a tick: at most one fresh ``setpoint``, the ``request`` that stands and whether it is ``sent``
     now, ``notes`` for people.
 
-    ``steered`` and ``ramp``: how the setpoint came about, for the record; None where the law had no say."""
+    ``steered`` and ``ramp``: how the setpoint came about, for the record; None where the law had no say.
+    ``actions``: what the payload is to do now, once."""
 
     setpoint: Setpoint | None
     request: Request | None
@@ -166,6 +179,7 @@ class Outcome(NamedTuple):
     steered: Steered | None
     ramp: SpeedScale
     sent: bool = False
+    actions: tuple[PathAction, ...] = ()
 
 
 class First(NamedTuple):

@@ -18,9 +18,11 @@ from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.errors import LawError
 from companion.law.speed_scale import UNITY, SpeedScale
+from companion.mission import PathAction
 from companion.pilot.inputs import missing_now, safety_inputs, situation
 from companion.pilot.intake import compared, take_in
 from companion.pilot.memory import OWN_MODE, First, Memory, Missing, Observation, Outcome, Progress
+from companion.pilot.payload import due
 from companion.pilot.targets import (
     JOIN_WITHIN,
     beginning,
@@ -131,9 +133,13 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
     if memory.phase is Phase.PREFLIGHT:
         memory = _told_missing(moment, memory)
     memory, request, sent = _requested(moment, memory)
+    actions: tuple[PathAction, ...] = ()
+    if fresh:
+        memory, actions = due(plan, memory)
     if command.setpoint is not None and not memory.done.flew and status.mode is Mode.OFFBOARD:
         memory = memory._replace(done=memory.done._replace(flew=True))
-    return memory, Outcome(command.setpoint, request, tuple(moment.notes), command.steered, command.ramp, sent)
+    notes, ramp = tuple(moment.notes), command.ramp
+    return memory, Outcome(command.setpoint, request, notes, command.steered, ramp, sent, actions)
 
 
 class Moment(NamedTuple):
@@ -236,6 +242,8 @@ def _entered(moment: Moment, memory: Memory, phase: Phase, event: Event, reason:
         return memory
     if phase is Phase.FOLLOW:
         memory = memory._replace(leg_from=state.t_boot, reached=plan.conduct.at_once, aim=None)
+        if memory.payload is not None:
+            memory = memory._replace(payload=None, payload_sent=memory.payload.sent)
         if event is Event.TURNED:
             return memory._replace(leg=-memory.leg, legs=memory.legs + 1)
         if event is Event.JOINED and not plan.table.closed and not plan.conduct.at_once:

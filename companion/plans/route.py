@@ -39,16 +39,20 @@ from companion.mavlink_common import (
 )
 from companion.plans import items as c
 from companion.plans.items import Item, Key, Place, Plan, PlanError, Problem
+from companion.plans.payload import PAYLOAD, PayloadCommand
 
 STEPS_MAX = 200_000
 """Items executed, jumps and all."""
+SHOWN_MAX = 5
+"""Items that a note names."""
 
 
 class Waypoint(NamedTuple):
     """A point of the route, and the leg that leads to it.
 
     ``speed``: m/s on the leg, None for the plan's own. ``heading``: degrees clockwise from north on the leg, or a place
-    to face; None: along the leg. ``number``: of its item.
+    to face; None: along the leg. ``number``: of its item. ``payload``: what is to be done
+    when it is reached.
     """
 
     place: Place
@@ -56,6 +60,7 @@ class Waypoint(NamedTuple):
     heading: float | Place | None
     key: Key
     number: int = 0
+    payload: tuple[PayloadCommand, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,23 +73,26 @@ class Route:
     notes: tuple[str, ...]
 
 
-def route(plan: Plan) -> Route:
-    """The route of a plan. PlanError with every reason why there is none."""
-    return _Walk(plan).route()
+def route(plan: Plan, line_of: Callable[[Key], int] | None = None) -> Route:
+    """The route of a plan. ``line_of``: of its file, where something of it stands, for its notes. PlanError with every
+    reason why there is none."""
+    return _Walk(plan, line_of).route()
 
 
 class _Walk:
     """Executes the items in order, as the autopilot would."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, line_of: Callable[[Key], int] | None) -> None:
         self._plan = plan
+        self._line_of = line_of
         self._waypoints: list[Waypoint] = []
         self._problems: list[Problem] = []
-        self._notes: dict[str, list[int]] = defaultdict(list)
+        self._notes: dict[str, list[Item]] = defaultdict(list)
         self._speed: float | None = None
         self._roi: Place | None = None
         self._yaw: float | None = None
         self._closed_from: int | None = None
+        self._first_payload: tuple[PayloadCommand, ...] = ()
         self._at = 0
 
     def route(self) -> Route:
@@ -121,6 +129,8 @@ class _Walk:
             first = waypoints[self._closed_from]
             heading = self._facing(None) if first.heading is None else first.heading
             waypoints = [first._replace(speed=self._speed, heading=heading), *waypoints[self._closed_from + 1 :]]
+        if waypoints and self._first_payload:
+            waypoints = [waypoints[0]._replace(payload=self._first_payload + waypoints[0].payload), *waypoints[1:]]
         if len(waypoints) < (3 if closed else 2):
             if not waypoints and self._plan.fence:
                 raise PlanError([Problem((), "it holds a fence, and no waypoints to fly")])
@@ -128,7 +138,7 @@ class _Walk:
             raise PlanError(
                 [Problem(("mission", "items"), f"a path needs two waypoints (three in a loop), found {found}")]
             )
-        said = [f"{words}{_numbers(numbers)}" for words, numbers in self._notes.items()]
+        said = [f"{words}{_where(items, self._line_of)}" for words, items in self._notes.items()]
         return Route(tuple(waypoints), closed, (*self._plan.notes, *said))
 
     def _executed(self, item: Item) -> bool:
@@ -153,9 +163,21 @@ class _Walk:
             _CHANGES[command](self, item)
         elif command == MAV_CMD_NAV_PAYLOAD_PLACE or (command < MAV_CMD_NAV_LAST and command not in (80, 92)):
             self._problem(item, f"command {command} says where to fly in a way that is not known here")
+        elif command in PAYLOAD:
+            self._ordered(item)
         elif command != MAV_CMD_DO_LAND_START:
-            self._note("cameras, gimbals and the like are skipped", item)
+            self._note(f"command {command} is not known here and not carried out", item)
         return True
+
+    def _ordered(self, item: Item) -> None:
+        """The payload does something where the waypoint before is reached."""
+        given = tuple(value if math.isfinite(value) else 0.0 for value in item.params)
+        order = PayloadCommand(item.command, given, item.number)
+        if not self._waypoints:
+            self._first_payload += (order,)
+        else:
+            last = self._waypoints[-1]
+            self._waypoints[-1] = last._replace(payload=(*last.payload, order))
 
     def _moved(self, item: Item) -> None:
         place = self._place(item)
@@ -283,8 +305,8 @@ class _Walk:
         self._problems.append(Problem(item.key, f"item {item.number}: {message}"))
 
     def _note(self, words: str, item: Item) -> None:
-        if item.number not in self._notes[words]:
-            self._notes[words].append(item.number)
+        if all(known.number != item.number for known in self._notes[words]):
+            self._notes[words].append(item)
 
 
 _CHANGES: dict[int, Callable[[_Walk, Item], None]] = {
@@ -300,10 +322,11 @@ _CHANGES: dict[int, Callable[[_Walk, Item], None]] = {
 }
 
 
-def _numbers(numbers: list[int]) -> str:
-    """(items 3, 5, 7 and 20 more)"""
-    if not numbers:
+def _where(items: list[Item], line_of: Callable[[Key], int] | None) -> str:
+    """(items 3, 5, 7 and 20 more, from line 57 on)"""
+    if not items:
         return ""
-    shown = ", ".join(map(str, numbers[:5]))
-    more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
-    return f" (item{'s' if len(numbers) > 1 else ''} {shown}{more})"
+    shown = ", ".join(str(item.number) for item in items[:SHOWN_MAX])
+    more = f" and {len(items) - SHOWN_MAX} more" if len(items) > SHOWN_MAX else ""
+    line = "" if line_of is None else f", line {line_of(items[0].key)}" + (" on" if len(items) > 1 else "")
+    return f" (item{'s' if len(items) > 1 else ''} {shown}{more}{line})"

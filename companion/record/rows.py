@@ -68,6 +68,7 @@ DONE = (
     Column("phase", "b", "index of phases.Phase after the tick"),
     Column("request", "b", "index of phases.Request that stands, -1 none"),
     Column("asked", "b", "1: it was sent at this tick"),
+    Column("payload", "i", "commands for the payload that were sent at this tick"),
     Column("setpoint", "b", "0 none, 1 motors, 2 rates, 3 attitude"),
     *(
         Column(f"sent_{i}", "d", "motors: commands; rates: p, q, r (rad/s), thrust; attitude: q, thrust")
@@ -194,7 +195,13 @@ def sent_part(setpoint: Setpoint | None) -> tuple[int, float, float, float, floa
 
 def done_part(memory: Memory, outcome: Outcome) -> Row:
     """The columns ``DONE``."""
-    return (_index(memory.phase), _index(outcome.request), int(outcome.sent), *sent_part(outcome.setpoint))
+    return (
+        _index(memory.phase),
+        _index(outcome.request),
+        int(outcome.sent),
+        len(outcome.actions),
+        *sent_part(outcome.setpoint),
+    )
 
 
 def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> Row:

@@ -78,7 +78,8 @@ def test_a_take_off_without_a_place(tmp_path: Path) -> None:
     assert known.table.length == pytest.approx(60.0, abs=0.01)
     unknown = read(tmp_path, nowhere, waypoint(30, 0, 12), waypoint(60, 0, 12), plannedHomePosition=[0, 0, 0])
     assert unknown.table.length == pytest.approx(30.0, abs=0.01)
-    assert unknown.notes == ("the take-off has no place; the path begins at the waypoint after it (item 1)",)
+    (note,) = unknown.notes
+    assert note.startswith("the take-off has no place; the path begins at the waypoint after it (item 1, line ")
 
 
 def test_no_place_at_all_is_said_by_its_number(tmp_path: Path) -> None:

@@ -232,6 +232,7 @@ class _Reader:
             home=self._told.over(None) if plan is None else plan.home,
             home_told=self._told,
             mixed_heights=plan is not None and plan.mixed_heights,
+            actions=() if plan is None else plan.actions,
         )
         if mission.repeat is not None and mission.closed:
             self._fault(("repeat",), "the path is closed; expected an open one to fly back and forth")

@@ -63,7 +63,7 @@ def read_plan(
     plan, lines = plan_from(read(path), str(path))
     plan = replace(plan, home=told.over(plan.home))
     try:
-        return planned(plan, model.corner_tolerance, model.smooth, placement, told.altitude)
+        return planned(plan, model.corner_tolerance, model.smooth, placement, told.altitude, lines.line)
     except PlanError as error:
         raise ConfigError([lines.fault(problem.key, problem.message) for problem in error.problems]) from None
     except (ValueError, ArithmeticError, PathError) as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,13 +13,14 @@ from companion.config.plan.yaw import leg_yaw
 from companion.fence import Fence
 from companion.frames import Vec3
 from companion.geodesy import Home, LocalFrame
-from companion.mission import GlobalOrigin
+from companion.mission import GlobalOrigin, PathAction
 from companion.paths.curve import Curve
 from companion.paths.placement import Placement
 from companion.paths.polyline import PHI, SPLIT, polyline
 from companion.paths.spline import SPACING, spline
 from companion.paths.tracing import LENGTH_MAX
-from companion.plans.items import Plan, PlanError, Problem, fence_in
+from companion.plans.items import Key, Plan, PlanError, Problem, fence_in
+from companion.plans.payload import placed_along
 from companion.plans.route import Route, Waypoint, route
 from companion.profiles import AutoSpeed, Yaw
 
@@ -57,6 +59,7 @@ class Planned:
     notes: tuple[str, ...]
     home: Home | None = None
     mixed_heights: bool = False
+    actions: tuple[PathAction, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,12 +74,14 @@ class Legs:
 
 
 def planned(
-    plan: Plan, tolerance: float, smooth: bool, placement: Placement, home_altitude: float | None = None
-) -> Planned:
+    plan: Plan, tolerance: float, smooth: bool, placement: Placement, home_altitude: float | None = None,
+    line_of: Callable[[Key], int] | None = None,
+) -> Planned:  # fmt: skip
     """``tolerance``: m, how far from a waypoint the path may pass it. ``smooth``: a spline through the waypoints.
     ``placement``: how the mission counts. ``home_altitude``: m above the sea, told where the plan does not say.
+    ``line_of``: see ``route``.
     PlanError: it cannot be flown. ValueError: its waypoints cannot be joined."""
-    way = route(plan)
+    way = route(plan, line_of)
     home = plan.home or Home(*way.waypoints[0].place[:2], home_altitude)
     above_sea = {waypoint.place.amsl for waypoint in way.waypoints}
     if True in above_sea and home.altitude is None:
@@ -105,7 +110,14 @@ def planned(
         notes=_notes(plan, way, frame.altitude),
         home=home,
         mixed_heights=len(above_sea) == 2,
+        actions=_actions(legs, arcs, curve.table.length),
     )
+
+
+def _actions(legs: Legs, arcs: list[float], length: float) -> tuple[PathAction, ...]:
+    """What the payload does along the path."""
+    stops = [(s, waypoint.payload) for s, waypoint in zip(arcs, legs.waypoints, strict=False)]
+    return tuple(PathAction(s, *command) for s, command in placed_along(stops, length))
 
 
 def _notes(plan: Plan, way: Route, home: float) -> tuple[str, ...]:
@@ -143,6 +155,8 @@ def _apart(way: Route, frame: LocalFrame) -> Legs:
         if not points or math.dist(points[-1], point) >= APART:
             points.append(point)
             kept.append(waypoint)
+        else:
+            kept[-1] = kept[-1]._replace(payload=kept[-1].payload + waypoint.payload)
     closed = way.closed
     if closed and len(points) > 1 and math.dist(points[0], points[-1]) < APART:
         points.pop()
@@ -176,7 +190,8 @@ def merged(legs: Legs, tolerance: float) -> Legs:
             kept = (0.5 * (first[0] + last[0]), 0.5 * (first[1] + last[1]), 0.5 * (first[2] + last[2]))
         points.append(kept)
         tolerances.append(tolerance - max(math.dist(legs.points[i], kept) for i in group))
-    merged_legs = Legs(points, [legs.waypoints[group[0]] for group in groups], legs.closed, tolerances)
+    waypoints = [_one([legs.waypoints[i] for i in group]) for group in groups]
+    merged_legs = Legs(points, waypoints, legs.closed, tolerances)
     while True:
         pair = _too_near(merged_legs)
         if pair is None:
@@ -203,13 +218,19 @@ def _too_near(legs: Legs) -> int | None:
     return None
 
 
+def _one(waypoints: list[Waypoint]) -> Waypoint:
+    """Waypoints as one: the leg that leads to the first, and what the payload does at all of them."""
+    payload = tuple(command for waypoint in waypoints for command in waypoint.payload)
+    return waypoints[0]._replace(payload=payload)
+
+
 def _joined(legs: Legs, i: int) -> Legs:
     """With waypoint ``i`` and the next as one in their middle."""
     (x, y, z), (u, v, w) = legs.points[i], legs.points[i + 1]
     left = min(legs.tolerances[i], legs.tolerances[i + 1]) - 0.5 * math.dist(legs.points[i], legs.points[i + 1])
     return Legs(
         [*legs.points[:i], (0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)), *legs.points[i + 2 :]],
-        [*legs.waypoints[: i + 1], *legs.waypoints[i + 2 :]],
+        [*legs.waypoints[:i], _one(legs.waypoints[i : i + 2]), *legs.waypoints[i + 2 :]],
         legs.closed,
         [*legs.tolerances[:i], left, *legs.tolerances[i + 2 :]],
     )
@@ -238,7 +259,7 @@ def _turned_round(legs: Legs) -> Legs:
         for sign in (-half, half):
             x, y, z = p[i] + sign * _across(ahead[i - 1], ahead[i])
             points.append((float(x), float(y), float(z)))
-            waypoints.append(waypoint)
+            waypoints.append(waypoint if sign < 0.0 else waypoint._replace(payload=()))
             kept.append(legs.tolerances[i])
     return replace(legs, points=points, waypoints=waypoints, tolerances=kept)
 
