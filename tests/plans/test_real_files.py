@@ -140,3 +140,23 @@ def test_fences_among_the_items(tmp_path: Path) -> None:
     file.write_text(WPL + "\n".join([*rows[:2], *rows[3:5]]) + "\n")
     with pytest.raises(ConfigError, match=r"w\.waypoints:5: .*: item 4: a polygon of 3 corners, 2 are there"):
         load_mission(str(file), None)
+
+
+@pytest.mark.parametrize(("name", "first"), [("field.poly", ""), ("field.fen", "47.5 8.5\n")])
+def test_a_polygon_is_no_path_and_how_to_have_it_as_a_fence_is_said(tmp_path: Path, name: str, first: str) -> None:
+    file = tmp_path / name
+    file.write_text(f"#saved by Mission Planner\n{first}47.0 8.0\n47.001 8.0\n47.001 8.001\n47.0 8.0\n")
+    with pytest.raises(ConfigError) as caught:
+        load_mission(str(file), None)
+    said = str(caught.value)
+    assert "a polygon of 3 corners and no path" in said
+    fence = said[said.index("fence: ") :]
+    mission = tmp_path / "m.yaml"
+    place = "{lat: 47.0005, lon: 8.0003, above_home: 10}"
+    mission.write_text(
+        f"mission: m\nframe: enu\norigin: {{lat: 47.0, lon: 8.0, above_home: 0}}\n"
+        f"path: {{kind: circle, center: {place}, radius: 5}}\nspeed: 2\n{fence}\n"
+    )
+    kept = load_mission(str(mission), None).fence
+    assert kept is not None
+    assert kept.margin((20.0, 50.0, 10.0)) > 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from companion.config.plan.polygons import is_polygon, refuse
 from companion.config.plan.waypoints import is_waypoints, waypoints_from
 from companion.config.syntax.document import Document
 from companion.config.syntax.faults import ConfigError, Fault, Key
@@ -27,6 +28,8 @@ FAULTS_MAX = 50
 
 def plan_from(text: str, file: str) -> tuple[Plan, Document]:
     """The plan in a file's ``text``, and the document that knows its lines. ConfigError with every fault."""
+    if is_polygon(file):
+        refuse(text, file)
     if is_waypoints(text, file):
         return waypoints_from(text, file)
     document = parse_json(text, file)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from companion.config.mission.path_keys import PlanModel
+from companion.config.plan.polygons import is_polygon
 from companion.config.plan.qgroundcontrol import plan_from
 from companion.config.plan.to_mission import Planned, planned
 from companion.config.syntax.document import Document, parse
@@ -25,7 +26,7 @@ BEGINS = b"QGC WPL"
 def is_plan(name: str) -> bool:
     """Whether a file is a plan and not a mission: by its name, or by its first line, for waypoint files are often
     called .txt."""
-    if Path(name).suffix.lower() in SUFFIXES:
+    if Path(name).suffix.lower() in SUFFIXES or is_polygon(name):
         return True
     try:
         with Path(name).open("rb") as file:
