@@ -9,7 +9,7 @@ from companion.flight.conduct import Conduct
 from companion.frames import Heading, Vec3
 from companion.law.feedback import Bounds
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
-from companion.law.gains import Gains, Level, default_gains
+from companion.law.gains import Gains, Level, auto_gains, default_gains
 from companion.law.hold import HoldLaw, hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
@@ -25,6 +25,8 @@ from companion.vehicle import OutputLevel, Tuning, Vehicle
 
 HOVER_THRUST = 0.5
 """Normalised, where neither the vehicle nor its file says: PX4's own first guess."""
+HOLD = 0.004
+"""s, half the time a command is held until the next one: states come at 125 Hz, as PX4 is asked to send them."""
 SPEED_SAMPLES = 400
 """places along the path among which the greatest speed is looked for (engineering choice)."""
 NOT_SAID = Tuning()
@@ -80,7 +82,7 @@ def prepared(
     speeds = [placed.alpha(table.length * i / SPEED_SAMPLES) for i in range(SPEED_SAMPLES)]
     direction = 1.0 if speeds[0] > 0.0 else -1.0
     usual = default_gains(law_level(level))
-    gains = placed.gains if placed.gains is not None else usual
+    gains = placed.gains if placed.gains is not None else _auto_gains(vehicle, level, tuning, learned)
     bounds = None if vehicle.limits is None else Bounds()
     law: Law
     if isinstance(placed.path, ImplicitPath):
@@ -114,6 +116,13 @@ def prepared(
         conduct=conduct,
         learned=learned,
     )
+
+
+def _auto_gains(vehicle: Vehicle, level: OutputLevel, tuning: Tuning, learned: Learned | None) -> Gains:
+    lag = vehicle.rate_loop_lag if learned is None else learned.rate_lag
+    if level is OutputLevel.ATTITUDE:
+        lag += as_attitude(tuning).smoothing
+    return auto_gains(law_level(level), lag + vehicle.link_delay + HOLD)
 
 
 def _steering(

@@ -66,6 +66,29 @@ YAW_POLES = {Level.MOTORS: (-2.0,) * 2, Level.RATES: (-2.25,)}
 """1/s, of h4. Engineering choice: slower than PX4's yaw loop (MC_YAW_P 2.8)."""
 
 
+AUTO_POLE_TIME = 0.5
+"""Path poles chosen for a flight times the horizon of the prediction. A triple pole at -L crosses over at 3 L, and of
+a horizon a third is counted on to be wrong: 3 L h / 3 = 0.5 rad of phase lost, of about 60 deg that a triple pole has.
+"""
+AUTO_POLE_RANGE = (4.0, 6.0)
+"""1/s. Flown on sih_noisy, 40 s at 3 m/s: -5 2.8 cm, -6 2.4, -7 2.1, -8 1.9; heading 0.7, 0.9, 1.2, 2.0 deg; commands
+shake by 2.2, 3.1, 4.0, 5.2 deg/s. -6 is where the heading is still held to a degree."""
+
+
+def auto_gains(level: Level, horizon: float) -> Gains:
+    """The gains chosen for a flight whose mission writes none. ``horizon``: s, dead time and lag of the rate loop.
+
+    The estimate's wander and what is unknown of the forces put an error of 3 / L^2 times their acceleration beside the
+    path, so poles are as fast as the horizon allows; noise puts L times itself into the commands.
+    """
+    usual = default_gains(level)
+    if level is Level.MOTORS:
+        return usual
+    least, most = AUTO_POLE_RANGE
+    path = from_poles((-min(max(AUTO_POLE_TIME / horizon, least), most),) * level.degrees[0])
+    return Gains(path, path, usual.h3, usual.h4)
+
+
 def default_gains(level: Level) -> Gains:
     """The gains of ``level`` for a mission that gives none."""
     path = from_poles(PATH_POLES[level])

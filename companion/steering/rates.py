@@ -58,6 +58,7 @@ from companion.steering.yaw import (
     YawRequest,
     compensate_yaw,
     integrate_heading_error,
+    update_derivative,
     yaw_authority,
     yaw_lead,
     yaw_rate_derivative,
@@ -151,7 +152,7 @@ class RateSteering:
             derivative = yaw_rate_derivative(
                 yaw.pending, self._ask, vehicle.gravity, vehicle.mass, self.yaw_gain, self.heading
             )
-            yaw = yaw._replace(derivative=derivative)
+            yaw = update_derivative(yaw, derivative, memory.estimate.pending.dt)
         return memory._replace(estimate=learn_pending(memory.estimate, memory.commands), yaw=yaw)
 
     def level(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:

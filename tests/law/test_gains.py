@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.law.gains import Level, default_gains, from_poles, poles_of
+from companion.law.gains import Level, auto_gains, default_gains, from_poles, poles_of
 
 
 def test_by_hand() -> None:
@@ -34,3 +34,10 @@ def test_defaults_fit_their_level() -> None:
 def test_complex_poles_come_in_pairs_and_make_real_gains() -> None:
     assert from_poles([-2.0 + 1.0j, -2.0 - 1.0j]) == (5.0, 4.0)  # (s + 2)^2 + 1
     assert all(isinstance(k, float) for k in from_poles([-1.0, -2.0 + 1.0j, -2.0 - 1.0j]))
+
+
+def test_gains_chosen_for_a_flight_are_as_fast_as_the_delay_allows() -> None:
+    poles = [max(root.real for root in poles_of(auto_gains(Level.RATES, horizon).h1)) for horizon in (0.05, 0.1, 0.3)]
+    assert poles == pytest.approx([-6.0, -5.0, -4.0], abs=1e-3)
+    assert auto_gains(Level.RATES, 0.1).h4 == default_gains(Level.RATES).h4
+    assert auto_gains(Level.MOTORS, 0.1) == default_gains(Level.MOTORS)

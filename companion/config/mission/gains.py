@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
+from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, WithJsonSchema, field_validator
 
 from companion.config.syntax.document import Document
 from companion.config.syntax.faults import Fault
@@ -94,6 +94,17 @@ class GainsModel(Strict):
     """gains k0, k1, .. of h4, in 1/s to the order: as many as its order at the level flown"""
 
 
+class _OrAuto:
+    """What a schema says beside the model."""
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"const": "auto"}, handler(core)]}
+
+
+GainsOrAuto = Annotated[GainsModel, BeforeValidator(lambda told: {} if told == "auto" else told), _OrAuto()]
+"""The gains of a mission file, or auto."""
+
+
 def gains_from(
     document: Document,
     model: GainsModel,
@@ -103,8 +114,11 @@ def gains_from(
     check: bool,
     notes: list[str] | None = None,
 ) -> Gains | None:
-    """The gains of a file at a level; what is wrong with them goes into ``faults``. ``check``: they are to be flown.
+    """The gains of a file at a level, None where it writes none; what is wrong with them goes into ``faults``.
+    ``check``: they are to be flown.
     ``notes``: takes what is only advised against, where they are flown in simulation; None: that is a fault too."""
+    if not model.model_fields_set:
+        return None  # chosen for the vehicle
     counts = dict(zip(("h1", "h2", "h3", "h4"), level.degrees, strict=True))
     default = default_gains(level)
     chosen: dict[str, tuple[float, ...]] = {}

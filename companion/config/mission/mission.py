@@ -15,7 +15,7 @@ from companion.config.mission.along import faults_along
 from companion.config.mission.curves import curve_from, implicit_from, triple
 from companion.config.mission.earth import localised
 from companion.config.mission.fence_keys import FenceModel, fence_from
-from companion.config.mission.gains import GainsModel, gains_from
+from companion.config.mission.gains import GainsModel, GainsOrAuto, gains_from
 from companion.config.mission.path_keys import ImplicitModel, OriginModel, PathModel, PlanModel, Point
 from companion.config.mission.profile_keys import (
     SPEED_MIN,
@@ -90,8 +90,8 @@ class MissionModel(Strict):
     heading: Literal["projected", "twist"] = "projected"
     """which heading of a leaning vehicle yaw is: projected (of its nose seen from above) or twist (of its nose once it
     is swung upright), which steep flight holds without turning hard"""
-    gains: GainsModel = Field(default_factory=GainsModel)
-    """the gains; the level's own where absent"""
+    gains: GainsOrAuto = Field(default_factory=GainsModel)
+    """the gains, or auto: chosen for the vehicle before the flight; auto where absent"""
     laps: Annotated[float, Field(gt=0.0, le=10000.0)] | None = None
     """how many times around, no unit; until told to stop where absent"""
     repeat: Literal["back-and-forth"] | None = None

@@ -1,0 +1,107 @@
+"""How right the estimator is about its vehicle, and whether it knows: flights in a noisy world with wrong files.
+
+Truth is known of the stand-in: thrust scale, drag, and the disturbance, which is the wind's drag and what the tilt error
+of the vehicle's own estimate explains. NEES is that of (scale, drag, disturbance), five numbers.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.daemon.conductor import Conductor
+from companion.estimation.kalman import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, SIZE, THRUST_SCALE, UPPER, Belief
+from companion.flight.phases import Phase
+from companion.frames import rotation_matrix
+from companion.vehicle import OutputLevel
+from companion.world import World
+from sim_bridge.plant import Truth
+from trials.measured import Measured, course, machine, measured
+
+WINDOW = 5.0
+"""s over which errors are averaged."""
+NEES_BOUNDS = (0.831, 12.833)
+"""95 % of chi squared with five degrees of freedom."""
+
+
+class Window(NamedTuple):
+    """Means over WINDOW s. ``begin``: s since following began. ``scale``, ``drag``: relative errors. ``disturbance``:
+    m/s^2, the largest axis. ``nees``: of (scale, drag, disturbance); ``inside``: the share of the time within its
+    bounds."""
+
+    begin: float
+    scale: float
+    drag: float
+    disturbance: float
+    nees: float
+    inside: float
+
+
+class Trial(NamedTuple):
+    """A flight, and how right its estimator was."""
+
+    flight: Measured
+    windows: tuple[Window, ...]
+
+
+def trial(
+    mission: str, speed: float, where: World, *, hover: float = 1.0, drag: float = 1.0, seed: int = 0,
+    duration: float = 60.0, level: OutputLevel = OutputLevel.RATES,
+) -> Trial:  # fmt: skip
+    """Fly the SIH vehicle. ``hover``, ``drag``: the vehicle file's over the true ones."""
+    true = machine("sih")
+    told = dataclasses.replace(true, drag=true.drag * drag, hover_thrust=(true.hover_thrust or 0.5) * hover)
+    where = dataclasses.replace(where, truth=dataclasses.replace(where.truth, drag=true.drag))
+    rows: list[tuple[float, ...]] = []
+
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
+        memory = conductor.memory
+        if memory is None or memory.phase is not Phase.FOLLOW or memory.follow_from is None:
+            return
+        if rows and truth.t_boot - memory.follow_from - rows[-1][0] < 0.02:
+            return
+        steering = conductor.plan.steering if conductor.plan is not None else None
+        estimate = memory.steering.estimate
+        scale = steering.hover_thrust / (true.weight / true.thrust_max)  # type: ignore[union-attr]
+        thrust = sum(truth.rotor_thrusts) / true.mass
+        b, seen = rotation_matrix(truth.q_nb), rotation_matrix(estimate.state.q_nb)
+        pushed = [
+            true.drag * wind + thrust * (seen[3 * axis + 2] - b[3 * axis + 2]) for axis, wind in enumerate(where.wind_n)
+        ]
+        belief = estimate.estimator.belief
+        error = np.array(
+            [belief.thrust_scale - scale, belief.drag - true.drag, *np.subtract(belief.disturbance_n, pushed)]
+        )
+        nees = float(error @ np.linalg.solve(covariance(belief), error))
+        rows.append((truth.t_boot - memory.follow_from, error[0] / scale, error[1] / true.drag, *error[2:], nees))
+
+    flight = measured(course(mission, speed, level), told, where, level, seed=seed, duration=duration, watch=watch)
+    return Trial(flight, _windows(np.array(rows)))
+
+
+def covariance(belief: Belief) -> NDArray[np.float64]:
+    """Of (scale, drag, D + W of each axis)."""
+    P = np.zeros((SIZE, SIZE))
+    for (i, j), value in zip(UPPER, belief.P, strict=True):
+        P[i, j] = P[j, i] = value
+    H = np.zeros((2 + AXES, SIZE))
+    H[0, THRUST_SCALE] = H[1, DRAG] = 1.0
+    for axis in range(AXES):
+        H[2 + axis, [PER_AXIS * axis + DISTURBANCE, PER_AXIS * axis + GUST]] = 1.0
+    result: NDArray[np.float64] = H @ P @ H.T
+    return result
+
+
+def _windows(rows: NDArray[np.float64]) -> tuple[Window, ...]:
+    result = []
+    for begin in np.arange(0.0, rows[-1, 0] - WINDOW + 0.1, WINDOW):
+        part = rows[(rows[:, 0] >= begin) & (rows[:, 0] < begin + WINDOW)]
+        mean = part.mean(axis=0)
+        inside = float(np.mean((part[:, 6] > NEES_BOUNDS[0]) & (part[:, 6] < NEES_BOUNDS[1])))
+        result.append(
+            Window(float(begin), mean[1], mean[2], float(np.abs(mean[3:6]).max()), float(np.median(part[:, 6])), inside)
+        )
+    return tuple(result)
