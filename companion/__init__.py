@@ -13,6 +13,17 @@ The natural way of the data, one tick:
 
     pilot.step(plan, memory, seen, now) -> (memory, outcome)          pure, and replayed bit for bit
 
+From an ODOMETRY to a SET_ATTITUDE_TARGET, file by file:
+
+    daemon/loop        the datagram is received; conductor.receive
+    daemon/conductor   take_in: mavlink/codec, mavlink/telemetry -> a VehicleState; then one tick
+    pilot/tick         compute_setpoint: the state looked at (pilot/intake), the aim chosen (pilot/targets)
+    steering/rates     steer: estimate, predict, govern speed, law, yaw compensation, limits, encode
+    pilot/tick         supervise: guards, safety rows and phases say whether that setpoint counts
+    daemon/conductor   queue: mavlink/setpoints -> values, mavlink/codec -> bytes; daemon/loop sends them
+
+The field's terms, the paper's letters and PX4's names side by side: docs/glossary.md.
+
 The rooms, each standing on those above it (tests/test_architecture.py holds the table):
 
     frames       NED and FRD, quaternions, angles                    vehicle     the nouns every room shares

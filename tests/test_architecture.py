@@ -134,3 +134,72 @@ def test_benchmarks_and_tests_meet_only_in_trials(here: str, away: set[str]) -> 
     for path in sorted((ROOT / here).rglob("*.py")):
         used = {module.split(".")[0] for module in imports(path)} & away
         assert not used, f"{path} may not import from {sorted(used)}: what both need stands in trials/"
+
+
+FUNCTION_MAX, FILE_MAX = 60, 300
+"""Lines. No exceptions in the two packages."""
+LONGER_FOR_NOW = {
+    "companion/cli/commands.py", "companion/daemon/conductor.py", "companion/estimation/kalman.py",
+    "companion/flight/guards.py", "companion/flight/safety.py", "companion/law/flight.py", "companion/mavlink/codec.py",
+    "companion/pilot/tick.py", "companion/plans/route.py", "sim_bridge/autopilot/missions/protocol.py",
+}  # fmt: skip
+"""To be shortened; nothing is added."""
+CONTROL = ("estimation", "steering", "law", "flight", "pilot", "allocation.py", "thrust_range.py", "plan.py")
+CONTROL_FILES = [path for path in COMPANION_FILES if path.relative_to(ROOT / "companion").parts[0] in CONTROL]
+
+
+@pytest.mark.parametrize("path", [*COMPANION_FILES, *SIM_FILES], ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_function_is_read_on_one_screen_and_a_file_in_one_go(path: Path) -> None:
+    if str(path.relative_to(ROOT)) in LONGER_FOR_NOW:
+        return
+    text = path.read_text(encoding="utf-8")
+    assert text.count("\n") <= FILE_MAX, f"{path.name} has {text.count(chr(10))} lines"
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            length = (node.end_lineno or node.lineno) - node.lineno + 1
+            assert length <= FUNCTION_MAX, f"{node.name} has {length} lines"
+
+
+def _is_text(node: ast.stmt | None) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+
+
+@pytest.mark.parametrize("path", CONTROL_FILES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_figure_of_the_control_says_what_it_is(path: Path) -> None:
+    """A constant with a number in it has a text below it, or a comment on its line or above."""
+    text = path.read_text(encoding="utf-8")
+    lines, body = text.split("\n"), ast.parse(text).body
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        numbers = (x.value for x in ast.walk(node.value) if isinstance(x, ast.Constant))
+        if not any(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
+            continue
+        line = (node.end_lineno or node.lineno) - 1
+        said = "#" in lines[line].replace("# fmt: skip", "") or lines[node.lineno - 2].lstrip().startswith("#")
+        assert _is_text(after) or said, f"line {node.lineno} says neither unit nor source"
+
+
+@pytest.mark.parametrize("path", CONTROL_FILES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_public_type_of_the_control_is_in_the_glossary(path: Path) -> None:
+    glossary = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            assert f"`{node.name}`" in glossary, f"{node.name} is not in docs/glossary.md"
+
+
+@pytest.mark.parametrize("package", ["companion", "sim_bridge"])
+def test_no_modules_import_each_other_in_a_circle(package: str) -> None:
+    """Not even where only types are imported."""
+    files = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in (ROOT / package).rglob("*.py")
+    }
+    stands_on = {name: {each for each in imports(path) if each in files} - {name} for name, path in files.items()}
+    for name, below in stands_on.items():  # a package's own list of what it gives is no circle
+        below -= {each for each in below if name.startswith(f"{each}.")}
+    placed: set[str] = set()
+    while len(placed) < len(stands_on):
+        ready = {name for name, below in stands_on.items() if name not in placed and below <= placed}
+        assert ready, f"a circle among {sorted(set(stands_on) - placed)}"
+        placed |= ready

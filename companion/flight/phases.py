@@ -110,6 +110,7 @@ PHASES: dict[Phase, Row] = {
     Phase.REHEARSE: Row(None, 120.0, True),
     Phase.DONE: Row(None, None, False),
 }
+"""What each asks for, its time-out in s (engineering choices), and whether the law steers."""
 
 TRANSITIONS: dict[tuple[Phase, Event], Phase] = {
     (Phase.PREFLIGHT, Event.READY_ON_GROUND): Phase.ARM,

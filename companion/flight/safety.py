@@ -240,6 +240,7 @@ def _others(s: SafetyInputs, limits: Limits) -> str | None:
     return "another companion speaks on the link (a heartbeat of component 191)" if s.companions else None
 
 
+# each with the s it must last (engineering choices)
 ROWS: tuple[Row, ...] = (
     Row(
         "the estimator has lost attitude, velocity, position or height",

@@ -16,25 +16,25 @@ Notation
     b, D, v      u = D^-1 (-b + v);  v_i = -sum_j k_j d^j h_i/dt^j
     A, J, S      acceleration, jerk and snap of the position (this project's letters, as is Level for the order)
 
-Equation -> function -> test
+Equation -> function -> test (in tests/law, tests/paths, tests/flights, ...)
     M (section II)         allocation.mixing_matrix, Allocation       test_allocation
-    Eq. 1                  motion.acceleration, motion.jerk           test_law_exact, test_closed_loop
-    Eq. 2                  flatness.torques, flatness.HeadingRate     test_law_exact, test_closed_loop
+    Eq. 1                  motion.acceleration, motion.jerk           test_exact_derivatives, test_closed_loop
+    Eq. 2                  flatness.torques, flatness.HeadingRate     test_exact_derivatives, test_closed_loop
     Def. 3.1               paths.implicit, paths.tracing              test_tracing
-    Def. 3.2, Eq. 3        implicit.outputs                           test_law_exact
-    Def. 3.3               implicit.outputs, feedback.wanted_heading_acceleration    test_law_exact
-    Eq. 4                  steering.motors.Extension, thrust_range     test_steering
-    Lemma 4.1, det D       lie.linearise                              test_law_exact.test_determinant_of_D
+    Def. 3.2, Eq. 3        implicit.outputs                           test_exact_derivatives
+    Def. 3.3               implicit.outputs, feedback.wanted_heading_acceleration    test_exact_derivatives
+    Eq. 4                  steering.motors.Extension, thrust_range     test_blocks, test_rates
+    Lemma 4.1, det D       lie.linearise                              test_exact_derivatives.test_determinant_of_D
     Eq. 6                  reference.reference                        test_closed_loop.test_invariance
-    Eq. 7                  implicit.outputs (mu)                      test_law_exact
+    Eq. 7                  implicit.outputs (mu)                      test_exact_derivatives
     Eq. 8                  lie.linearise, lie.solve; factored: feedback.wanted_derivative, flatness.body_acceleration
-                                                                      test_law_exact (both, and that they are equal)
-    Eq. 9                  lie.linear_feedback, feedback.linear, gains.from_poles    test_law_exact, test_gains
+                                                             test_exact_derivatives (both, and that they are equal)
+    Eq. 9                  lie.linear_feedback, feedback.linear, gains.from_poles    test_exact_derivatives, test_gains
     Eq. 10                 (the closed loop)                          test_closed_loop.test_errors_are_linear_and_..
     Lambda, eta (IV.B)     paths.arc.ArcTable, paths.tracing          test_tracing, test_closed_loop
     Eq. 11, Lemma 4.4      reference.reference                        test_closed_loop.test_lemma_4_4
     Prop. 4.2, Remark 4.3  feasibility.report                         test_check.test_the_papers_cases
-    Theorem 4.5            (the poles are in the left half plane)     config.mission, test_mission_files
+    Theorem 4.5            (the poles are in the left half plane)     config.mission, test_files
     Section V              configs/missions/paper_case1, paper_case2  test_closed_loop, test_paper_cases
 
 The level of rates is the same design one order earlier: inputs (zeta_dot, p, q, r), one integrator, relative degree
