@@ -4,6 +4,7 @@ items       a plan: its items, home, fence
 payload     what cameras, grippers and servos do where it comes to a waypoint
 areas       fences that stand among the items
 scan        a structure scan, which a .plan does not write out, as items
+waypoints   the waypoints of a route, as values
 route       items -> waypoints in the order they are flown, with the speed and the heading of each leg
 writing     a plan -> the text of a .plan
 """

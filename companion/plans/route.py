@@ -1,7 +1,8 @@
 """Items -> waypoints in the order they are flown, with the speed and the heading of each leg.
 
 What is a path is honoured: waypoints, changes of speed, headings, points to face, jumps. What stops on the way (holds,
-delays, loiters) is flown through, what is no business of a path (cameras) is skipped, both with a note; what would
+delays, loiters) is flown through with a note, what the payload does is kept at its place, what is not known and flies
+nowhere is not carried out, with a note; what would
 change where the vehicle flies and is not understood is refused.
 """
 
@@ -10,8 +11,6 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import NamedTuple
 
 from companion.mavlink_common import (
     MAV_CMD_CONDITION_DELAY,
@@ -40,37 +39,10 @@ from companion.mavlink_common import (
 from companion.plans import items as c
 from companion.plans.items import Item, Key, Place, Plan, PlanError, Problem
 from companion.plans.payload import PAYLOAD, PayloadCommand
+from companion.plans.waypoints import Route, Waypoint, items_in_words
 
 STEPS_MAX = 200_000
 """Items executed, jumps and all."""
-SHOWN_MAX = 5
-"""Items that a note names."""
-
-
-class Waypoint(NamedTuple):
-    """A point of the route, and the leg that leads to it.
-
-    ``speed``: m/s on the leg, None for the plan's own. ``heading``: degrees clockwise from north on the leg, or a place
-    to face; None: along the leg. ``number``: of its item. ``payload``: what is to be done
-    when it is reached.
-    """
-
-    place: Place
-    speed: float | None
-    heading: float | Place | None
-    key: Key
-    number: int = 0
-    payload: tuple[PayloadCommand, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Route:
-    """``waypoints``: two at least. ``closed``: the last is joined to the first, whose leg that is. ``notes``: what of
-    the plan is not flown."""
-
-    waypoints: tuple[Waypoint, ...]
-    closed: bool
-    notes: tuple[str, ...]
 
 
 def route(plan: Plan, line_of: Callable[[Key], int] | None = None) -> Route:
@@ -138,7 +110,7 @@ class _Walk:
             raise PlanError(
                 [Problem(("mission", "items"), f"a path needs two waypoints (three in a loop), found {found}")]
             )
-        said = [f"{words}{_where(items, self._line_of)}" for words, items in self._notes.items()]
+        said = [f"{words}{items_in_words(items, self._line_of)}" for words, items in self._notes.items()]
         return Route(tuple(waypoints), closed, (*self._plan.notes, *said))
 
     def _executed(self, item: Item) -> bool:
@@ -320,13 +292,3 @@ _CHANGES: dict[int, Callable[[_Walk, Item], None]] = {
     MAV_CMD_CONDITION_DELAY: _Walk._delayed,
     MAV_CMD_CONDITION_DISTANCE: _Walk._delayed,
 }
-
-
-def _where(items: list[Item], line_of: Callable[[Key], int] | None) -> str:
-    """(items 3, 5, 7 and 20 more, from line 57 on)"""
-    if not items:
-        return ""
-    shown = ", ".join(str(item.number) for item in items[:SHOWN_MAX])
-    more = f" and {len(items) - SHOWN_MAX} more" if len(items) > SHOWN_MAX else ""
-    line = "" if line_of is None else f", line {line_of(items[0].key)}" + (" on" if len(items) > 1 else "")
-    return f" (item{'s' if len(items) > 1 else ''} {shown}{more}{line})"

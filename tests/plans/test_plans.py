@@ -30,8 +30,9 @@ from companion.paths.curve import Curve
 from companion.paths.polyline import polyline
 from companion.places.origins import VehicleLocation, placed
 from companion.plans.items import Plan
-from companion.plans.route import Waypoint, route
+from companion.plans.route import route
 from companion.plans.scan import grown
+from companion.plans.waypoints import Waypoint
 from companion.profiles import AutoSpeed, ConstantSpeed, ConstantYaw, LookAt, TangentYaw, YawProfile
 from tests.support.plan_text import EAST, HOME, NORTH, item, plan, survey, text, waypoint, written
 

@@ -21,7 +21,8 @@ from companion.paths.spline import SPACING, spline
 from companion.paths.tracing import LENGTH_MAX
 from companion.plans.items import Key, Plan, PlanError, Problem, fence_in
 from companion.plans.payload import placed_along
-from companion.plans.route import Route, Waypoint, route
+from companion.plans.route import route
+from companion.plans.waypoints import Route, Waypoint
 from companion.profiles import AutoSpeed, Yaw
 
 NO_HOME = (

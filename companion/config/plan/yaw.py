@@ -9,7 +9,7 @@ from companion.frames import Vec3, wrap
 from companion.geodesy import LocalFrame
 from companion.paths.curve import Curve
 from companion.plans.items import Place
-from companion.plans.route import Waypoint
+from companion.plans.waypoints import Waypoint
 from companion.profiles import ConstantYaw, LookAt, TangentYaw, Yaw, yaw_table
 
 TURN_RATE, TURN_ACCELERATION = math.radians(45.0), math.radians(60.0)
