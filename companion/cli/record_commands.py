@@ -59,7 +59,26 @@ def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flig
     print(f"{replayed.ticks} ticks, {replayed.setpoints} setpoints: the same, bit for bit")
 
 
+def export_flight(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flight folder.")],
+    csv: Annotated[
+        bool, typer.Option("--csv", help="Write tables that a spreadsheet opens, and their legend.")
+    ] = False,
+    mcap: Annotated[bool, typer.Option("--mcap", help="Write flight.mcap, for Foxglove and PlotJuggler.")] = False,
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", metavar="FOLDER", help="Where to write.", show_default="the flight folder"),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
+) -> None:
+    """Write a recorded flight as files that other programs open."""
+    from companion.cli.export_flight import export_flight as write
+
+    write(directory, to, csv=csv, mcap=mcap, force=force)
+
+
 def register(app: typer.Typer) -> None:
     """Add the commands."""
-    for name, command in (("law", law), ("report", report_command), ("replay", replay)):
+    commands = (("law", law), ("report", report_command), ("replay", replay), ("export-flight", export_flight))
+    for name, command in commands:
         app.command(name)(command)

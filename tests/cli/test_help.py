@@ -13,7 +13,21 @@ from companion.cli.commands import app
 from companion.cli.options import complete_mission, complete_vehicle, complete_world
 from companion.cli.terminal import busy
 
-COMMANDS = ("check", "sim", "fly", "demo", "preflight", "law", "report", "replay", "status", "export", "new", "schema")
+COMMANDS = (
+    "check",
+    "sim",
+    "fly",
+    "demo",
+    "preflight",
+    "law",
+    "report",
+    "replay",
+    "status",
+    "export",
+    "new",
+    "schema",
+    "export-flight",
+)
 
 
 def help_of(*words: str) -> str:

@@ -1,0 +1,9 @@
+"""A flight folder as files that other programs open.
+
+columns     a column as text: its unit, its numbers
+channels    the flight as named series over time, for MCAP
+schemas     the JSON schemas of those, and of Foxglove's own that are used
+scene       the path, what was flown and the vehicle as lines to look at
+mcap_file   one MCAP file (needs the extra ``log``)
+csv_files   one CSV file a table, and a legend
+"""

@@ -1,0 +1,173 @@
+"""A flight folder as files that other programs open: read back with the readers that those programs use."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from typer.testing import CliRunner
+
+from companion.cli.commands import app
+from companion.frames import multiply
+from companion.record.export.channels import euler_deg, thinned
+from companion.record.export.columns import as_numbers, unit_of
+from companion.record.export.scene import enu_flu
+from companion.record.rows import COLUMNS
+from companion.record.table import load_table
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    where = tmp_path_factory.mktemp("export") / "flown"
+    words = ["sim", "circle_r5", "--output", "rates", "--duration", "3", "--settle", "1", "--no-report", "--record"]
+    assert CliRunner().invoke(app, [*words, str(where)]).exit_code == 0
+    done = CliRunner().invoke(app, ["export-flight", str(where), "--csv", "--mcap"])
+    assert done.exit_code == 0, done.output
+    return where
+
+
+@pytest.fixture(scope="module")
+def topics(folder: Path) -> dict[str, list[Any]]:
+    """Topic -> (schema, message, JSON) of each message, read with the library's own reader, which checks every CRC."""
+    found: dict[str, list[Any]] = {}
+    with (folder / "flight.mcap").open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        for schema, channel, message in reader.iter_messages(log_time_order=False):
+            assert schema is not None and schema.encoding == "jsonschema" and channel.message_encoding == "json"
+            found.setdefault(channel.topic, []).append((schema, message, json.loads(message.data)))
+    return found
+
+
+def numbers(topics: dict[str, list[Any]], topic: str, field: str) -> np.ndarray[Any, Any]:
+    values = [told[field] for _, _, told in topics[topic]]
+    return np.array([math.nan if value is None else value for value in values], dtype=float)
+
+
+def test_a_viewer_finds_poses_path_errors_setpoints_and_notes(topics: dict[str, list[Any]]) -> None:
+    schemas = {topic: messages[0][0].name for topic, messages in topics.items()}
+    assert schemas["/vehicle/pose"] == "foxglove.PoseInFrame"
+    assert schemas["/tf"] == "foxglove.FrameTransform"
+    assert schemas["/path"] == "foxglove.PosesInFrame"
+    assert schemas["/scene"] == "foxglove.SceneUpdate"
+    assert {"/follow", "/vehicle/state", "/setpoint/rates", "/estimates", "/link"} <= set(topics)
+    assert [entity["id"] for _, _, told in topics["/scene"] for entity in told["entities"]] == [
+        "path",
+        "flown",
+        "vehicle",
+    ]
+
+
+def test_every_number_has_its_unit_and_every_message_its_schema(topics: dict[str, list[Any]]) -> None:
+    for messages in topics.values():
+        for schema, _, told in messages[:3]:
+            document = json.loads(schema.data)
+            assert set(told) == set(document["properties"]), schema.name
+            if schema.name.startswith("companion."):
+                assert all("unit" in spec for name, spec in document["properties"].items() if name != "timestamp")
+
+
+def test_the_messages_are_the_recorded_numbers_at_their_times(folder: Path, topics: dict[str, list[Any]]) -> None:
+    table = load_table(folder / "flight.npy")
+    epoch = json.loads((folder / "resolved.json").read_text())["epoch"]
+    times = np.array([message.log_time for _, message, _ in topics["/follow"]]) * 1e-9 - epoch
+    for field, column, factor in (
+        ("path_error_m", "path_error", 1.0),
+        ("yaw_error_deg", "yaw_error", 180.0 / math.pi),
+        ("s_m", "s", 1.0),
+    ):
+        at = np.searchsorted(table["now"], times - 1e-6)
+        assert numbers(topics, "/follow", field) == pytest.approx(table[column][at] * factor, rel=1e-8, abs=1e-9)
+    stamps = [told["timestamp"] for _, _, told in topics["/follow"]]
+    assert all(
+        s["sec"] * 10**9 + s["nsec"] == m.log_time for s, (_, m, _) in zip(stamps, topics["/follow"], strict=True)
+    )
+    sent = table[table["setpoint"] == 2]
+    apart = np.diff([message.log_time for _, message, _ in topics["/setpoint/rates"]]) * 1e-9
+    assert len(sent) > len(topics["/setpoint/rates"]) > 0.3 * len(sent) and np.median(apart) < 0.0125
+
+
+def test_a_viewer_sees_north_as_y_and_up_as_z(folder: Path, topics: dict[str, list[Any]]) -> None:
+    table = load_table(folder / "flight.npy")
+    fresh = table[table["fresh"] == 1]
+    _, message, told = topics["/vehicle/pose"][-1]
+    row = fresh[np.argmin(np.abs(fresh["now"] - message.log_time * 1e-9))]
+    position = told["pose"]["position"]
+    assert [position[axis] for axis in "xyz"] == pytest.approx([row["east"], row["north"], -row["down"]], rel=1e-8)
+    # the last pose of the transform is the same
+    assert topics["/tf"][-1][2]["translation"] == position
+
+
+def test_an_attitude_is_turned_as_the_frames_are() -> None:
+    q = np.random.default_rng(1).normal(size=(20, 4))
+    q /= np.linalg.norm(q, axis=1)[:, None]
+    h = math.sqrt(0.5)
+    for one, (x, y, z, w) in zip(q, enu_flu(q), strict=True):
+        expected = np.array(multiply(multiply((0.0, h, h, 0.0), tuple(one)), (0.0, 1.0, 0.0, 0.0)))
+        assert abs(expected @ (w, x, y, z)) == pytest.approx(1.0)
+    north = enu_flu(np.array([[1.0, 0.0, 0.0, 0.0]]))[0]  # nose to the north: a quarter turn about up
+    assert abs(north @ (0.0, 0.0, h, h)) == pytest.approx(1.0)
+    roll, pitch, yaw = euler_deg(np.array([[math.cos(0.25), 0.0, 0.0, math.sin(0.25)]]))
+    assert (roll[0], pitch[0]) == (0.0, 0.0) and yaw[0] == pytest.approx(math.degrees(0.5))
+
+
+def test_the_truth_is_beside_what_was_believed(topics: dict[str, list[Any]]) -> None:
+    believed = {m.log_time: told["pose"]["position"] for _, m, told in topics["/vehicle/pose"]}
+    clock = np.array(sorted(believed))
+    for _, message, told in topics["/truth/pose"][5:-5]:
+        near = believed[clock[np.argmin(np.abs(clock - message.log_time))]]
+        assert math.dist(near.values(), told["pose"]["position"].values()) < 0.1  # 3 m/s * 20 ms
+
+
+def test_the_tables_are_the_recorded_columns(folder: Path) -> None:
+    table = load_table(folder / "flight.npy")
+    with (folder / "flight.csv").open(newline="") as file:
+        read = list(csv.DictReader(file))
+    assert len(read) == len(table) and list(read[0]) == list(table.dtype.names or ())
+    for name in ("now", "north", "path_error", "phase", "sent_3", "latency"):
+        told = [math.nan if row[name] == "" else float(row[name]) for row in read]
+        assert told == pytest.approx(table[name].astype(float), rel=1e-8, abs=1e-6, nan_ok=True)
+    with (folder / "columns.csv").open(newline="") as file:
+        legend = {(row["file"], row["column"]): row["unit"] for row in csv.DictReader(file)}
+    assert legend["flight.csv", "path_error"] == "m" and legend["flight.csv", "p"] == "rad/s"
+    assert legend["truth.csv", "v_n"] == "m/s"
+    assert (folder / "truth.csv").is_file() and (folder / "path.csv").read_text().startswith("s,north,east,down\n")
+
+
+def test_units_and_numbers_as_text() -> None:
+    assert {unit_of(column.meaning) for column in COLUMNS} >= {"m", "m/s", "rad", "s", "Hz", "N", ""}
+    assert as_numbers(np.array([1.5, math.nan, -math.inf]), "null") == ["1.5", "null", "null"]
+    assert as_numbers(np.array([1, -1], dtype=np.int8), "null") == ["1", "-1"]
+    assert as_numbers(np.array([1e9 + 0.123456]), "", 6) == ["1000000000.123456"]
+    assert thinned(np.arange(10) * 0.004, 100.0).tolist() == [0, 3, 5, 8]
+    assert thinned(np.zeros(0), 100.0).tolist() == []
+
+
+def test_what_is_there_is_kept_and_what_is_no_flight_is_named(folder: Path, tmp_path: Path) -> None:
+    again = CliRunner().invoke(app, ["export-flight", str(folder), "--mcap"])
+    assert "exists already; --force writes over it" in str(again.exception)
+    nothing = CliRunner().invoke(app, ["export-flight", str(folder)])
+    assert "expected --csv or --mcap" in str(nothing.exception)
+    none = CliRunner().invoke(app, ["export-flight", str(tmp_path), "--csv"])
+    assert "expected a flight folder" in str(none.exception)
+    assert CliRunner().invoke(app, ["export-flight", str(folder), "--csv", "--to", str(tmp_path)]).exit_code == 0
+    assert (tmp_path / "flight.csv").read_text() == (folder / "flight.csv").read_text()
+
+
+def test_a_record_cut_anywhere_is_exported_to_its_cut(folder: Path, tmp_path: Path) -> None:
+    for name in ("resolved.json", "mission.yaml", "vehicle.yaml"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    whole = (folder / "flight.npy").read_bytes()
+    (tmp_path / "flight.npy").write_bytes(whole[: len(whole) * 2 // 3])
+    assert CliRunner().invoke(app, ["export-flight", str(tmp_path), "--mcap"]).exit_code == 0
+    with (tmp_path / "flight.mcap").open("rb") as file:
+        summary = make_reader(file, validate_crcs=True).get_summary()
+    assert summary is not None and summary.statistics is not None and summary.statistics.message_count > 100
+    # nothing but the header is left
+    (tmp_path / "flight.npy").write_bytes(whole[:100])
+    assert CliRunner().invoke(app, ["export-flight", str(tmp_path), "--mcap", "--force"]).exit_code == 0
