@@ -160,3 +160,10 @@ def test_a_polygon_is_no_path_and_how_to_have_it_as_a_fence_is_said(tmp_path: Pa
     kept = load_mission(str(mission), None).fence
     assert kept is not None
     assert kept.margin((20.0, 50.0, 10.0)) > 0.0
+
+
+def test_an_older_file_of_qgroundcontrol_is_refused_as_what_it_is(tmp_path: Path) -> None:
+    file = tmp_path / "old.mission"
+    file.write_text(json.dumps({"MAV_AUTOPILOT": 12, "items": [], "version": "1.0"}))
+    with pytest.raises(ConfigError, match=r'fileType: is not "Plan"; expected a \.plan'):
+        load_mission(str(file), None)

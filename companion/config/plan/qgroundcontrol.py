@@ -51,7 +51,7 @@ class _Reader:
         """All of it."""
         root = self._document.data
         if not isinstance(root, dict) or root.get("fileType") != "Plan":
-            self._fault(("fileType",), 'is not "Plan"; expected a .plan of QGroundControl')
+            self._fault(("fileType",), 'is not "Plan"; expected a .plan, as QGroundControl saves it today')
             return Plan(())
         self._version(root, ("version",), 1)
         mission = self._mapping(root, ("mission",))

@@ -18,7 +18,8 @@ from companion.paths.placement import Placement
 from companion.paths.tracing import PathError
 from companion.plans.items import Plan, PlanError
 
-SUFFIXES = (".plan", ".waypoints")
+SUFFIXES = (".plan", ".waypoints", ".mission")
+"""Of ground stations' files; the last is an older one of QGroundControl's, which is refused as what it is."""
 BEGINS = b"QGC WPL"
 """What a file of waypoints begins with."""
 
