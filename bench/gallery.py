@@ -16,10 +16,11 @@ import numpy as np
 
 from companion.cli.check import looked_at
 from companion.cli.finish import Ending
-from companion.cli.orders import Sortie, read_sortie, read_world
 from companion.cli.output import Output
-from companion.cli.simulate import Simulation, at_home, in_lockstep
+from companion.cli.simulate import Simulation, in_lockstep
 from companion.config.syntax.file_lookup import SHIPPED
+from companion.library.orders import Sortie, read_sortie, read_world
+from companion.library.simulation import at_home
 from companion.record.table import load_table
 from companion.world import World
 

@@ -34,11 +34,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from companion.cli.simulate import start_of
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.realtime import PRIORITY, at_priority
 from companion.law.gains import Level
+from companion.library.simulation import start_of
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.world import World

@@ -15,7 +15,7 @@ from pathlib import Path
 
 TIMED = """
 import json, sys, time
-import companion.cli.simulate as simulate
+import companion.library.simulation as simulate
 from companion.cli import main
 from sim_bridge.bridge import Bridge
 

@@ -22,12 +22,12 @@ import numpy as np
 
 from companion.cli import simulate
 from companion.cli.finish import Ending
-from companion.cli.orders import read_sortie, read_world
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, over_udp
 from companion.daemon.address import UdpPort
 from companion.daemon.priority import STATE_ID
 from companion.daemon.realtime import PRIORITY, at_priority
+from companion.library.orders import read_sortie, read_world
 from companion.mavlink.dialect import message
 from companion.mavlink.peer import Received, Source
 

@@ -9,14 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from companion.cli.lockstep import fly
-from companion.cli.simulate import start_of
 from companion.config.mission.mission import mission_from
 from companion.config.syntax.document import parse
 from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.report import Report, check
 from companion.flight.phases import Phase
 from companion.frames import Vec3, rotation_matrix, tilt, wrap
+from companion.library.lockstep import fly
+from companion.library.simulation import start_of
 from companion.mission import Mission, Origin
 from companion.plan import law_level
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle

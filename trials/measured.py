@@ -7,14 +7,14 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from companion.cli.lockstep import fly
-from companion.cli.simulate import start_of
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.config.world.world import load_world
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.phases import Phase
 from companion.frames import rotation_matrix, tilt, wrap
+from companion.library.lockstep import fly
+from companion.library.simulation import start_of
 from companion.mission import Mission, Origin
 from companion.plan import law_level
 from companion.profiles import ConstantSpeed

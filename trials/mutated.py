@@ -9,11 +9,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from companion.cli.check import looked_at
-from companion.cli.orders import read_sortie
 from companion.cli.output import Output
 from companion.config.examples import PATHS, example, example_plan
 from companion.config.syntax.faults import ConfigError
 from companion.config.syntax.file_lookup import SHIPPED, names
+from companion.library.orders import read_sortie
 
 Mutation = Callable[[random.Random, str], str]
 

@@ -6,13 +6,13 @@ import traceback
 from pathlib import Path
 
 from companion.cli.finish import FAILED, NO_VEHICLE, Ending, refuse
-from companion.cli.orders import Sortie
 from companion.cli.terminal import warn
 from companion.daemon.conductor import Conductor
 from companion.daemon.last_resort import told
 from companion.daemon.loop import clock
 from companion.daemon.signals import Signals
 from companion.daemon.whereabouts import whereabouts
+from companion.library.orders import Sortie
 from companion.record.circumstances import Simulated
 from companion.record.folder import Recorder
 

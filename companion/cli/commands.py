@@ -111,9 +111,9 @@ def sim(
     """Fly a mission in simulation."""
     from companion.cli.check import looked_at
     from companion.cli.finish import Ending
-    from companion.cli.orders import Faults, check_record, home_told, read_sortie, read_world
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
     from companion.feasibility.words import headline
+    from companion.library.orders import Faults, check_record, home_told, read_sortie, read_world
     from companion.record.folder import new_directory
 
     faults = Faults()
@@ -203,11 +203,11 @@ def fly(
     from companion.cli.finish import Ending, refuse
     from companion.cli.flying import Flight, authority_of, most_speed_scale
     from companion.cli.flying import fly as fly_now
-    from companion.cli.orders import Faults, check_record, home_told, read_sortie
     from companion.config.signing_key import read_key
     from companion.daemon.address import parsed
     from companion.feasibility.words import headline
     from companion.flight.conduct import Conduct, Finish, Limits
+    from companion.library.orders import Faults, check_record, home_told, read_sortie
     from companion.record.folder import new_directory
 
     faults = Faults()

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from companion.cli.finish import Ending
-from companion.cli.orders import check_record, read_sortie, read_world
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, in_lockstep, over_udp
 from companion.cli.story import DEMO, PLAIN
 from companion.cli.terminal import say
+from companion.library.orders import check_record, read_sortie, read_world
 from companion.record.folder import new_directory
 
 DURATION = 30.0

@@ -8,13 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from companion.cli.check import looked_at
-from companion.cli.orders import Faults, home_told, read_sortie
 from companion.cli.output import Output
-from companion.cli.simulate import at_home
 from companion.cli.terminal import say
 from companion.config.plan.source import plan_of
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.geodesy import NOTHING_TOLD, LocalFrame
+from companion.library.orders import Faults, home_told, read_sortie
+from companion.library.simulation import at_home
 from companion.mission import GlobalOrigin, Mission
 from companion.places.drawn import drawn
 from companion.places.listed import COLUMNS, listed

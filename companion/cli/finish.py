@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import json
-import traceback
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from companion import pilot
 from companion.cli.page import write_page
 from companion.cli.terminal import tell, warn
 from companion.daemon.conductor import Conductor
-from companion.daemon.last_resort import LastResort, told
 from companion.daemon.signals import INTERRUPTED
-from companion.daemon.whereabouts import whereabouts
+from companion.library.outcome import Ended, figures_of, is_completed, reason_of
 from companion.record.folder import Recorder
-from companion.record.summary import summary
-from companion.record.table import Table, read_table
 
 COMPLETED, FAILED, BAD_INPUT, NO_VEHICLE = 0, 1, 2, 3
 """Exit codes."""
@@ -44,20 +38,11 @@ class Ending:
     report: bool = False
 
 
-class Ended(NamedTuple):
-    """How it came to its end, at ``now`` (s, as at the conductor's doors). ``stopped``: a signal asked for it.
-    ``failure``: what ended it where the companion itself failed."""
-
-    now: float
-    stopped: bool
-    failure: LastResort | None = None
-
-
 def finish(conductor: Conductor, recorder: Recorder, ending: Ending, ended: Ended) -> int:
     """Close the record, print the summary; the exit code. Whatever the disk does, the outcome is told."""
-    done = ended.failure is None and conductor.memory is not None and pilot.completed(conductor.memory)
+    done = is_completed(conductor, ended)
     code = COMPLETED if done else FAILED if ended.failure is not None else INTERRUPTED if ended.stopped else FAILED
-    reason = None if done else _reason(conductor, ended)
+    reason = None if done else reason_of(conductor, ended)
     recorder.flush(sync=True)
     if ended.failure is not None:
         recorder.keep_failure(ended.failure.trace)
@@ -65,7 +50,7 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, ended: Ende
     if conductor.plan is None or conductor.memory is None:
         refuse(reason or "the flight did not begin", ending.json)
     else:
-        figures = _figures(conductor, recorder, ending, "completed" if done else "aborted", reason)
+        figures = figures_of(conductor, recorder, ending.settle, reason)
         tell(json.dumps(figures, indent=2) if ending.json else _text(figures))
         if ending.report and recorder.answers:
             write_page(recorder.directory)
@@ -76,69 +61,6 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, ended: Ende
     while recorder.words:
         warn(recorder.words.popleft())
     return code
-
-
-def _reason(conductor: Conductor, ended: Ended) -> str:
-    """Why it was not completed: what happened, what was done, what to do next."""
-    if ended.failure is not None:
-        return ended.failure.sentence
-    mode = conductor.telemetry.status.last.mode
-    reason = None if conductor.memory is None else pilot.epilogue(conductor.memory, mode)
-    reason = reason or conductor.refusal or "the flight ended before it was finished"
-    where = whereabouts(conductor, ended.now) if ended.stopped else None
-    return reason if where is None else f"{reason}: {where}"
-
-
-def _figures(
-    conductor: Conductor, recorder: Recorder, ending: Ending, outcome: str, reason: str | None
-) -> dict[str, Any]:
-    """The summary, written; what is left of it where its figures fail."""
-    plan = conductor.plan
-    assert plan is not None
-    directory = recorder.directory
-    figures: dict[str, Any] = {
-        "schema": "companion.flight/1",
-        "mission": plan.mission.name,
-        "vehicle": plan.vehicle.name,
-        "output": plan.level.value,
-        "outcome": outcome,
-        "reason": reason,
-        "notes": [],
-        "record": str(directory),
-    }
-    try:
-        table = recorder.table
-        if table is None:
-            figures["notes"].append("there are no figures: the record cannot be read")
-        else:
-            truth = _truth(directory / "truth.npy")
-            figures = summary(plan, table, truth, ending.settle, outcome, reason, str(directory), recorder.simulation)
-    except Exception as error:  # the outcome is known without them
-        recorder.keep_failure(traceback.format_exc())
-        figures["notes"].append(f"the figures could not be computed ({told(error)}); send in the flight folder")
-    figures["notes"] += recorder.losses + _of_the_link(conductor)
-    recorder.keep("summary.json", json.dumps(figures, indent=2) + "\n")
-    return figures
-
-
-def _truth(file: Path) -> Table | None:
-    try:
-        return read_table(file).rows
-    except (OSError, ValueError):
-        return None
-
-
-def _of_the_link(conductor: Conductor) -> list[str]:
-    """What came in and was no use, in words."""
-    counters, notes = conductor.decoder.counters, []
-    if counters.garbage_bytes or counters.bad_crc:
-        notes.append(
-            f"the link brought {counters.garbage_bytes} bytes that were no message and {counters.bad_crc} damaged "
-            f"messages, beside {counters.frames + counters.unknown} good ones; they were skipped"
-        )
-    notes += conductor.link.peers.words()
-    refused = conductor.telemetry.refused.items()
-    return notes + [f"{count} states of the vehicle were not used: {reason}" for reason, count in refused]
 
 
 def refuse(reason: str, as_json: bool, what: str = "not flown") -> int:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from companion.cli.around import begin_record, failed, listen_to, no_vehicle
 from companion.cli.finish import INTERRUPTED, Ended, Ending, finish
-from companion.cli.orders import Sortie
 from companion.cli.output import WhoStarts
 from companion.cli.terminal import say
 from companion.daemon.conductor import Conductor, Orders
@@ -21,6 +20,7 @@ from companion.daemon.signing_files import signing_with
 from companion.feasibility.report import check
 from companion.feasibility.words import headline
 from companion.flight.conduct import Conduct, ControlAuthority
+from companion.library.orders import Sortie
 from companion.mavlink.signing import Signing
 from companion.mission import Mission, Origin
 from companion.record.folder import Recorder

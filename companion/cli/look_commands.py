@@ -24,11 +24,11 @@ def preflight(
     json: Json = False,
 ) -> None:
     """Look at a vehicle before a flight: what its parameters do when something goes wrong, what we advise, and why."""
-    from companion.cli.orders import Faults, read_sortie
     from companion.cli.preflight import preflight as look
     from companion.cli.terminal import say
     from companion.config.syntax.faults import Fault
     from companion.daemon.address import is_exposed, parsed
+    from companion.library.orders import Faults, read_sortie
 
     faults = Faults()
     faults.collect(lambda: parsed(connect))

@@ -6,11 +6,11 @@ import difflib
 from pathlib import Path
 
 from companion.cli.export import writable, write
-from companion.cli.orders import Faults
 from companion.cli.terminal import say
 from companion.config.examples import KINDS, example, example_plan
 from companion.config.json_schemas import MODELS, schema_text
 from companion.config.syntax.faults import ConfigError, Fault
+from companion.library.orders import Faults
 
 
 def new(kind: str, file: Path | None, force: bool) -> None:

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import enum
 
+from companion.library.output import Output
 
-class Output(enum.Enum):
-    """``--output``."""
-
-    AUTO = "auto"
-    MOTORS = "motors"
-    RATES = "rates"
-    ATTITUDE = "attitude"
+__all__ = ["Ends", "LawOutput", "Output", "WhoStarts"]
 
 
 class LawOutput(enum.Enum):

@@ -26,8 +26,8 @@ def law(
     A line without an answer is told on stderr, and the run goes on. Exit code: 0 all were answered, 1 the law is not
     defined at a state, 2 a line was no state."""
     from companion.cli.bare import answers
-    from companion.cli.orders import read_bare
     from companion.law.gains import Level
+    from companion.library.orders import read_bare
 
     level = Level.MOTORS if output is LawOutput.MOTORS else Level.RATES
     read = read_bare(mission, vehicle, level)

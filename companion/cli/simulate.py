@@ -3,47 +3,31 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import json
 import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from companion.cli.around import begin_record, failed, listen_to, no_vehicle
 from companion.cli.finish import INTERRUPTED, Ended, Ending, finish
-from companion.cli.lockstep import fly
-from companion.cli.orders import Sortie
 from companion.cli.story import Story
 from companion.cli.terminal import is_verbose, say, warn
 from companion.daemon.address import UdpPort
-from companion.daemon.conductor import Conductor, Orders
+from companion.daemon.conductor import Conductor
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.progress import Watch
 from companion.daemon.signals import Signals, ending_signals
-from companion.flight.conduct import Conduct
-from companion.frames import quaternion_from_euler
-from companion.geodesy import LocalFrame
-from companion.mission import GlobalOrigin, Mission, Origin
-from companion.places.origins import VehicleLocation, placed
-from companion.record.circumstances import Simulated
+from companion.library import simulation as simulation_of
+from companion.library.simulation import SIMULATED_FLUSH, SimulatedFlight, at_home, orders_of, start_of
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError, OutputLevel
-from companion.world import Home, Start, World
-from sim_bridge.bridge import Bridge
-from sim_bridge.plant import Truth
-from sim_bridge.truth_file import TruthFile
 
-DEFAULT_DURATION = 60.0
-"""s of following for a mission that says neither laps nor is told a duration."""
 SIMULATED_PROGRESS, VERBOSE_PROGRESS = 5.0, 1.0
 """s of simulated time between two lines of progress."""
-SIMULATED_FLUSH = 1.0
-"""s of simulated time between two writes of the record: a kill costs no more of it, and memory stays as it is."""
-OVERHEAD = 300.0
-"""s of simulated time a flight may take beyond following."""
 WAIT_FOR_PLANT = 10.0
 """s for the plant's process to be heard (engineering choice)."""
 STORY_PERIOD = 0.1
@@ -51,38 +35,11 @@ STORY_PERIOD = 0.1
 
 
 @dataclass(frozen=True)
-class Simulation:
-    """One simulated flight in a world."""
+class Simulation(SimulatedFlight):
+    """One simulated flight as a command asks for it: where its record goes, and how it is told."""
 
-    sortie: Sortie
-    simulated: Simulated
-    from_ground: bool
-    duration: float | None
     directory: Path
     ending: Ending
-
-
-def start_of(mission: Mission, held: bool = True) -> Start:
-    """Where the vehicle is when the flight begins: the mission's own start, or a hover on the path."""
-    if mission.start is not None:
-        given = mission.start
-        x, y, z = mission.placement.to_local(given.position)
-        u, v, w = mission.placement.turned(given.velocity)
-        attitude = quaternion_from_euler(given.heading, given.pitch, given.roll)
-        return Start((x, y, z), (u, v, w), attitude, given.rates_b, held=held)
-    return Start.hover(mission.table.at(0.0)[0], mission.beta(0.0))
-
-
-def at_home(mission: Mission, world: World) -> tuple[Mission, World]:
-    """The mission in the world's local frame. A world that has no place of its own is where the mission is."""
-    origin = mission.origin
-    if isinstance(origin, GlobalOrigin) and world.home == Home():
-        known = None if mission.home is None else mission.home.altitude
-        altitude = known if known is not None else Home().altitude if origin.above_home else origin.altitude
-        world = dataclasses.replace(world, home=Home(origin.latitude, origin.longitude, altitude))
-    home = (world.home.latitude, world.home.longitude, world.home.altitude)
-    where = VehicleLocation((0.0, 0.0, 0.0), on_ground=True, frame=LocalFrame(*home), home=home)
-    return placed(mission, Origin.LOCAL, where), world
 
 
 def in_lockstep(simulation: Simulation) -> int:
@@ -102,35 +59,15 @@ def in_lockstep(simulation: Simulation) -> int:
 
 
 def _in_lockstep(simulation: Simulation, recorder: Recorder, signals: Signals) -> int:
-    sortie = simulation.sortie
-    direct = sortie.level is OutputLevel.MOTORS
-    mission, world = at_home(sortie.mission, simulation.simulated.world)
-    bridge = Bridge(
-        sortie.vehicle,
-        world,
-        seed=simulation.simulated.seed,
-        direct=direct,
-        start=None if simulation.from_ground else start_of(mission),
-        landed=simulation.from_ground,
-        endpoints=1,
-    )
-    conductor = Conductor(_orders(simulation), recorder, bridge.now)
-    listen_to(signals, conductor, recorder)
-    with contextlib.ExitStack() as stack:
-        truth_file = None
-        with contextlib.suppress(OSError):  # no room for it: the record has said so
-            truth_file = stack.enter_context(TruthFile(recorder.path("truth.npy")))
-        journal = _Journal(recorder, _story(simulation))
+    journal = _Journal(recorder, _story(simulation))
 
-        def watch(conductor: Conductor, truth: Truth) -> None:
-            if truth_file is not None:
-                truth_file.append(truth, bridge.autopilot.commands)
-            journal.write(conductor, bridge.now)
+    def begun(conductor: Conductor) -> Callable[[float], None]:
+        listen_to(signals, conductor, recorder)
+        return lambda now: journal.write(conductor, now)
 
-        time_out = OVERHEAD + (simulation.duration or 3600.0)
-        failure = fly(conductor, bridge, watch, time_out, survive=True)
-        journal.write(conductor, bridge.now)
-    return finish(conductor, recorder, simulation.ending, Ended(bridge.now, bool(signals.came), failure))
+    flown = simulation_of.in_lockstep(simulation, recorder, begun)
+    ended = Ended(flown.now, bool(signals.came), flown.failure)
+    return finish(flown.conductor, recorder, simulation.ending, ended)
 
 
 class _Journal:
@@ -166,7 +103,7 @@ def over_udp(simulation: Simulation) -> int:
     with contextlib.closing(port), ending_signals(say) as signals:
         recorder = begin_record(simulation.directory, simulation.sortie, time.time() - clock(), simulation.simulated)
         try:
-            conductor = Conductor(_orders(simulation), recorder, clock())
+            conductor = Conductor(orders_of(simulation), recorder, clock())
             # a session of its own: Ctrl-C must not take the vehicle away before it has been handed back
             plant = subprocess.Popen(_plant_command(simulation, recorder, port), start_new_session=True)
             listen_to(signals, conductor, recorder)
@@ -254,21 +191,3 @@ def _story(simulation: Simulation) -> Story:
     story = Story(simulated.world)
     say(story.opening(simulated.world.name, simulated.seed))
     return story
-
-
-def _orders(simulation: Simulation) -> Orders:
-    sortie = simulation.sortie
-    duration = simulation.duration
-    if duration is None and sortie.mission.laps is None and sortie.mission.closed:
-        duration = DEFAULT_DURATION
-    # the plant is ours: what rates need may be set there
-    return Orders(
-        sortie.mission,
-        sortie.vehicle,
-        sortie.level,
-        duration,
-        Origin.LOCAL,
-        auto=sortie.auto,
-        set_parameters=True,
-        conduct=Conduct(at_once=sortie.mission.start is not None),
-    )

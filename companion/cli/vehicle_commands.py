@@ -23,7 +23,6 @@ def sign(
 ) -> None:
     """Give a vehicle its signing key, while it is disarmed: from then on it takes orders only from who has the key."""
     from companion.cli.finish import COMPLETED, NO_VEHICLE, refuse
-    from companion.cli.orders import Faults
     from companion.cli.terminal import say, tell
     from companion.config.signing_key import read_key
     from companion.config.syntax.faults import Fault
@@ -31,6 +30,7 @@ def sign(
     from companion.daemon.key_giving import give_key
     from companion.daemon.loop import NoVehicleError, clock
     from companion.daemon.signing_files import signing_with
+    from companion.library.orders import Faults
     from companion.mavlink.key_setup import KeySetup
 
     faults = Faults()

@@ -52,11 +52,13 @@ ROOM = 10 * 60 * BYTES_PER_SECOND
 @dataclass(frozen=True)
 class Source:
     """A file that was flown: its name as given and its text. ``attached``: name and text of the file it needs beside
-    it, if it needs one (the plan of a mission of kind plan)."""
+    it, if it needs one (the plan of a mission of kind plan). ``made``: in Python, so that nobody can look up its
+    lines."""
 
     name: str
     text: str
     attached: tuple[str, str] | None = None
+    made: bool = False
 
 
 @dataclass

@@ -13,11 +13,11 @@ import pytest
 from typer.testing import CliRunner
 
 from companion.cli.commands import app
-from companion.cli.simulate import at_home
 from companion.config.mission.mission import load_mission
 from companion.config.plan.qgroundcontrol import plan_from
 from companion.config.syntax.faults import ConfigError
 from companion.geodesy import LocalFrame
+from companion.library.simulation import at_home
 from companion.mission import Mission
 from companion.places.drawn import drawn, waypoint_arcs
 from companion.places.listed import COLUMNS, listed

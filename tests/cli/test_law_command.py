@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from companion.cli.bare import answers
-from companion.cli.orders import read_bare
 from companion.law.gains import Level
+from companion.library.orders import read_bare
 from tests.law.test_exact_derivatives import GIVEN, cases, error
 
 ROTORS = (([0.1, 0, 0], "ccw"), ([0, 0.1, 0], "cw"), ([-0.1, 0, 0], "ccw"), ([0, -0.1, 0], "cw"))

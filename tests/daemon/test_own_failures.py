@@ -161,7 +161,7 @@ def test_figures_that_cannot_be_computed_leave_the_outcome(tmp_path: Path, monke
     def fail(*_: object) -> None:
         raise IndexError("no such figure")
 
-    monkeypatch.setattr("companion.cli.finish.summary", fail)
+    monkeypatch.setattr("companion.library.outcome.summary", fail)
     result = sim(tmp_path / "flight")
     assert result.exit_code == 0
     figures = json.loads(result.stdout)

@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from companion.cli.check import air_of, as_it_is
 from companion.cli.check import check as look
 from companion.cli.commands import main
 from companion.cli.flying import objection
@@ -26,6 +25,7 @@ from companion.feasibility.report import NAMES, Report, check
 from companion.feasibility.words import headline, in_words
 from companion.fence import Fence, Polygon
 from companion.law.gains import Level
+from companion.library.checking import air_of, as_it_is
 from companion.mission import Mission
 from companion.profiles import ConstantSpeed
 from companion.vehicle import Vehicle

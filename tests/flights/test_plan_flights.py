@@ -10,10 +10,11 @@ import pytest
 from companion.cli.check import looked_at
 from companion.cli.finish import COMPLETED, Ending
 from companion.cli.new import new
-from companion.cli.orders import read_sortie, read_world
 from companion.cli.output import Output
-from companion.cli.simulate import Simulation, at_home, in_lockstep
+from companion.cli.simulate import Simulation, in_lockstep
 from companion.config.examples import PATHS
+from companion.library.orders import read_sortie, read_world
+from companion.library.simulation import at_home
 from companion.mission import GlobalOrigin
 from companion.record.replay import load_flight, replay
 from companion.world import Home, World

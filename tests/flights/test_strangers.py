@@ -8,7 +8,6 @@ import threading
 
 import pytest
 
-from companion.cli.finish import _of_the_link as notes_of_the_link
 from companion.cli.flying import WAIT_FOR_VEHICLE
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
@@ -17,6 +16,7 @@ from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.progress import status_document
 from companion.law.gains import Level
+from companion.library.outcome import notes_of_the_link
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.mission import Origin

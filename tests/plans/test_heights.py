@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from companion.cli.simulate import at_home
 from companion.config.mission.mission import load_mission
 from companion.config.syntax.faults import ConfigError
 from companion.daemon.preparing import heights_agree
 from companion.feasibility.report import ground_under
 from companion.geodesy import NOTHING_TOLD, HomeTold
+from companion.library.simulation import at_home
 from companion.mission import Mission
 from companion.places.origins import NotKnownError, VehicleLocation
 from companion.vehicle import CompanionError

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from companion.cli.lockstep import fly
-from companion.cli.simulate import start_of
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.auto import flyable
 from companion.flight.conduct import Conduct
+from companion.library.lockstep import fly
+from companion.library.simulation import start_of
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Value, message
 from companion.mission import Origin

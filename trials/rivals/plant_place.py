@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
-from companion.cli.lockstep import fly as fly_in_lockstep
-from companion.cli.simulate import start_of
 from companion.daemon.conductor import Conductor, Orders
 from companion.law.gains import Level
+from companion.library.lockstep import fly as fly_in_lockstep
+from companion.library.simulation import start_of
 from companion.mission import Origin
 from companion.plan import Plan
 from companion.steering.steering import Steering

@@ -1,4 +1,4 @@
-"""What a command line asks for -> what is to be flown, or every fault at once."""
+"""What a command line or a call asks for -> what is to be flown, or every fault at once."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from companion.cli.output import Output
 from companion.config.mission.mission import bare_mission_from, mission_from
 from companion.config.plan.source import attached, is_plan, mission_text, parsed
-from companion.config.syntax.document import parse
+from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import find, read
-from companion.config.vehicle import load_vehicle, vehicle_from
+from companion.config.vehicle import vehicle_from
 from companion.config.world.world import home_from, world_from
 from companion.daemon.port import AddressError
 from companion.geodesy import NOTHING_TOLD, HomeTold
 from companion.law.gains import Level
+from companion.library.output import Output
 from companion.mission import Mission
 from companion.plan import law_level
 from companion.record.circumstances import Simulated
@@ -80,21 +80,27 @@ def read_sortie(
     noted. ``told``: of home, beside the mission's file. ConfigError with the faults of both files.
     """
     faults = Faults()
-    mission_text = faults.collect(lambda: _source(mission_name, "missions"))
-    named = vehicle_name or (None if mission_text is None else _own_vehicle(mission_text)) or DEFAULT_VEHICLE
-    vehicle_text = faults.collect(lambda: _vehicle_source(named, vehicle_name, mission_text))
+    mission = faults.collect(lambda: source_of(mission_name, "missions"))
+    vehicle = faults.collect(lambda: vehicle_source(vehicle_name, mission))
+    return sortie_from(mission, vehicle, output, direct=direct, told=told, faults=faults)
+
+
+def sortie_from(
+    mission_text: Source | None, vehicle_text: Source | None, output: Output, *, direct: bool = False,
+    told: HomeTold = NOTHING_TOLD, faults: Faults | None = None,
+) -> Sortie:  # fmt: skip
+    """See ``read_sortie``. None: a file that could not be read, whose ``faults`` are known already."""
+    faults = faults or Faults()
     vehicle = None
     if vehicle_text is not None:
-        vehicle = faults.collect(lambda: vehicle_from(parse(vehicle_text.text, vehicle_text.name)))
+        vehicle = faults.collect(lambda: vehicle_from(document_of(vehicle_text)))
     if vehicle is not None and direct and output is Output.MOTORS:
         vehicle = dataclasses.replace(vehicle, motors=MotorInterface.DIRECT)
     level = None if vehicle is None else output_level(output, vehicle)
     mission = None
     if mission_text is not None:
         law = None if level is None else law_level(level)
-        mission = faults.collect(
-            lambda: mission_from(parsed(mission_text.text, mission_text.name), law, told=told, simulated=direct)
-        )
+        mission = faults.collect(lambda: mission_from(mission_document(mission_text), law, told=told, simulated=direct))
     faults.raise_any()
     assert mission is not None and vehicle is not None and level is not None
     assert mission_text is not None and vehicle_text is not None
@@ -110,12 +116,21 @@ def check_record(record: Path | None) -> None:
 def read_bare(mission_name: str, vehicle_name: str | None, level: Level) -> tuple[Mission, Vehicle]:
     """The mission and the vehicle for ``companion law``. ConfigError with the faults of both files."""
     faults = Faults()
-    mission_text = faults.collect(lambda: _source(mission_name, "missions"))
-    mission = None
+    mission = faults.collect(lambda: source_of(mission_name, "missions"))
+    vehicle = faults.collect(lambda: source_of(vehicle_name or _usual_vehicle(mission), "vehicles"))
+    return bare_from(mission, vehicle, level, faults)
+
+
+def bare_from(
+    mission_text: Source | None, vehicle_text: Source | None, level: Level, faults: Faults | None = None
+) -> tuple[Mission, Vehicle]:
+    """See ``read_bare``. None: a file that could not be read, whose ``faults`` are known already."""
+    faults = faults or Faults()
+    mission = vehicle = None
     if mission_text is not None:
-        mission = faults.collect(lambda: bare_mission_from(parse(mission_text.text, mission_text.name), level))
-    named = vehicle_name or (None if mission_text is None else _own_vehicle(mission_text)) or DEFAULT_VEHICLE
-    vehicle = faults.collect(lambda: load_vehicle(named))
+        mission = faults.collect(lambda: bare_mission_from(mission_document(mission_text, plans=False), level))
+    if vehicle_text is not None:
+        vehicle = faults.collect(lambda: vehicle_from(document_of(vehicle_text)))
     faults.raise_any()
     assert mission is not None and vehicle is not None
     return mission, vehicle
@@ -133,8 +148,12 @@ def home_told(option: str | None, world: World | None = None) -> HomeTold:
 def read_world(name: str, seed: int, home: str | None = None) -> Simulated:
     """The world of a command line, with its file as it is; its home where ``--home`` says. ConfigError with every
     fault."""
-    source = _source(name, "worlds")
-    world = world_from(parse(source.text, source.name))
+    return simulated_from(source_of(name, "worlds"), seed, home)
+
+
+def simulated_from(source: Source, seed: int, home: str | None = None) -> Simulated:
+    """See ``read_world``."""
+    world = world_from(document_of(source))
     if home is not None:
         world = dataclasses.replace(world, home=home_from(home, "--home"))
     return Simulated(world, source.name, source.text, seed)
@@ -147,7 +166,8 @@ def output_level(output: Output, vehicle: Vehicle) -> OutputLevel:
     return OutputLevel(output.value)
 
 
-def _source(name: str, kind: str) -> Source:
+def source_of(name: str, kind: str) -> Source:
+    """The file of a name in configs/ or a path; ``kind``: missions, vehicles or worlds. ConfigError: there is none."""
     path = find(name, kind)
     if kind == "missions" and is_plan(name):
         return Source(str(path), mission_text(path), (path.name, read(path)))
@@ -155,16 +175,36 @@ def _source(name: str, kind: str) -> Source:
     return Source(str(path), text, attached(text, str(path)) if kind == "missions" else None)
 
 
-def _vehicle_source(name: str, asked_for: str | None, mission: Source | None) -> Source:
-    """The vehicle's file. Where the mission file names one that is not there, the fault is the mission's."""
+def document_of(source: Source) -> Document:
+    """A file, parsed. One that was made in Python has keys, but no lines that anybody could look up."""
+    return _without_lines(source, parse(source.text, source.name))
+
+
+def mission_document(source: Source, *, plans: bool = True) -> Document:
+    """The same of a mission, which may stand for a plan where ``plans``."""
+    return _without_lines(source, parsed(source.text, source.name) if plans else parse(source.text, source.name))
+
+
+def _without_lines(source: Source, document: Document) -> Document:
+    return dataclasses.replace(document, lines=dict.fromkeys(document.lines, 0)) if source.made else document
+
+
+def vehicle_source(asked_for: str | None, mission: Source | None) -> Source:
+    """The vehicle's file: the one that is asked for, else the mission's own, else x500. Where the mission file names
+    one that is not there, the fault is the mission's."""
+    name = asked_for or _usual_vehicle(mission)
     try:
-        return _source(name, "vehicles")
+        return source_of(name, "vehicles")
     except ConfigError as error:
         if asked_for is not None or mission is None or name == DEFAULT_VEHICLE:
             raise
-        document = parsed(mission.text, mission.name)
+        document = mission_document(mission)
         said = [document.fault(("vehicle",), f"{name!r}: {fault.message}") for fault in error.faults]
         raise ConfigError(said) from None
+
+
+def _usual_vehicle(mission: Source | None) -> str:
+    return (None if mission is None else _own_vehicle(mission)) or DEFAULT_VEHICLE
 
 
 def _own_vehicle(mission: Source) -> str | None:

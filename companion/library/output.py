@@ -1,0 +1,14 @@
+"""The output levels that may be asked for, in a file that is read at once."""
+
+from __future__ import annotations
+
+import enum
+
+
+class Output(enum.Enum):
+    """``--output``, ``output=``."""
+
+    AUTO = "auto"
+    MOTORS = "motors"
+    RATES = "rates"
+    ATTITUDE = "attitude"

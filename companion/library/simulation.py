@@ -1,0 +1,127 @@
+"""A mission against the plant in one process under a simulated clock, for ``companion sim`` and ``simulate``."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from companion.daemon.conductor import Conductor, Orders
+from companion.daemon.last_resort import LastResort
+from companion.flight.conduct import Conduct
+from companion.frames import quaternion_from_euler
+from companion.geodesy import LocalFrame
+from companion.library.lockstep import fly
+from companion.library.orders import Sortie
+from companion.mission import GlobalOrigin, Mission, Origin
+from companion.places.origins import VehicleLocation, placed
+from companion.record.circumstances import Simulated
+from companion.record.folder import Recorder
+from companion.vehicle import OutputLevel
+from companion.world import Home, Start, World
+from sim_bridge.bridge import Bridge
+from sim_bridge.plant import Truth
+from sim_bridge.truth_file import TruthFile
+
+DEFAULT_DURATION = 60.0
+"""s of following for a mission that says neither laps nor is told a duration."""
+SIMULATED_FLUSH = 1.0
+"""s of simulated time between two writes of the record: a kill costs no more of it, and memory stays as it is."""
+OVERHEAD = 300.0
+"""s of simulated time a flight may take beyond following."""
+LONGEST = 3600.0
+"""s of following that a flight without a duration may take."""
+
+
+@dataclass(frozen=True)
+class SimulatedFlight:
+    """One flight in a world. ``from_ground``: it begins on the ground, disarmed. ``duration``: s of following."""
+
+    sortie: Sortie
+    simulated: Simulated
+    from_ground: bool
+    duration: float | None
+
+
+class Flown(NamedTuple):
+    """``now``: s of simulated time at the end. ``failure``: what ended it where the companion itself failed."""
+
+    conductor: Conductor
+    now: float
+    failure: LastResort | None
+
+
+def in_lockstep(
+    flight: SimulatedFlight, recorder: Recorder, begun: Callable[[Conductor], Callable[[float], None]]
+) -> Flown:
+    """Fly. ``begun`` is told the conductor before the first step; what it returns is called after every step with the
+    simulated time, s, and once more at the end."""
+    sortie = flight.sortie
+    mission, world = at_home(sortie.mission, flight.simulated.world)
+    bridge = Bridge(
+        sortie.vehicle,
+        world,
+        seed=flight.simulated.seed,
+        direct=sortie.level is OutputLevel.MOTORS,
+        start=None if flight.from_ground else start_of(mission),
+        landed=flight.from_ground,
+        endpoints=1,
+    )
+    conductor = Conductor(orders_of(flight), recorder, bridge.now)
+    look = begun(conductor)
+    with contextlib.ExitStack() as stack:
+        truth_file = None
+        with contextlib.suppress(OSError):  # no room for it: the record has said so
+            truth_file = stack.enter_context(TruthFile(recorder.path("truth.npy")))
+
+        def watch(conductor: Conductor, truth: Truth) -> None:
+            if truth_file is not None:
+                truth_file.append(truth, bridge.autopilot.commands)
+            look(bridge.now)
+
+        failure = fly(conductor, bridge, watch, OVERHEAD + (flight.duration or LONGEST), survive=True)
+        look(bridge.now)
+    return Flown(conductor, bridge.now, failure)
+
+
+def start_of(mission: Mission, held: bool = True) -> Start:
+    """Where the vehicle is when the flight begins: the mission's own start, or a hover on the path."""
+    if mission.start is not None:
+        given = mission.start
+        x, y, z = mission.placement.to_local(given.position)
+        u, v, w = mission.placement.turned(given.velocity)
+        attitude = quaternion_from_euler(given.heading, given.pitch, given.roll)
+        return Start((x, y, z), (u, v, w), attitude, given.rates_b, held=held)
+    return Start.hover(mission.table.at(0.0)[0], mission.beta(0.0))
+
+
+def at_home(mission: Mission, world: World) -> tuple[Mission, World]:
+    """The mission in the world's local frame. A world that has no place of its own is where the mission is."""
+    origin = mission.origin
+    if isinstance(origin, GlobalOrigin) and world.home == Home():
+        known = None if mission.home is None else mission.home.altitude
+        altitude = known if known is not None else Home().altitude if origin.above_home else origin.altitude
+        world = dataclasses.replace(world, home=Home(origin.latitude, origin.longitude, altitude))
+    home = (world.home.latitude, world.home.longitude, world.home.altitude)
+    where = VehicleLocation((0.0, 0.0, 0.0), on_ground=True, frame=LocalFrame(*home), home=home)
+    return placed(mission, Origin.LOCAL, where), world
+
+
+def orders_of(flight: SimulatedFlight) -> Orders:
+    """What the daemon is told."""
+    sortie, duration = flight.sortie, flight.duration
+    if duration is None and sortie.mission.laps is None and sortie.mission.closed:
+        duration = DEFAULT_DURATION
+    # the plant is ours: what rates need may be set there
+    return Orders(
+        sortie.mission,
+        sortie.vehicle,
+        sortie.level,
+        duration,
+        Origin.LOCAL,
+        auto=sortie.auto,
+        set_parameters=True,
+        conduct=Conduct(at_once=sortie.mission.start is not None),
+    )
