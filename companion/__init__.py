@@ -43,3 +43,62 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
 
 The vehicle's software stand-in is its own package, ``sim_bridge``, with its own derivation of the physics.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from companion.library.flights import Flight
+    from companion.library.public import (
+        check,
+        compare,
+        control_law,
+        curve_path,
+        implicit_path,
+        load_mission,
+        load_vehicle,
+        load_world,
+        new_mission,
+        new_vehicle,
+        new_world,
+        path_through,
+        simulate,
+    )
+    from companion.vehicle import CompanionError
+
+__version__ = "0.1.0"
+__all__ = [
+    "CompanionError",
+    "Flight",
+    "check",
+    "compare",
+    "control_law",
+    "curve_path",
+    "implicit_path",
+    "load_mission",
+    "load_vehicle",
+    "load_world",
+    "new_mission",
+    "new_vehicle",
+    "new_world",
+    "path_through",
+    "simulate",
+]
+
+_ELSEWHERE = {"CompanionError": "companion.vehicle", "Flight": "companion.library.flights"}
+
+
+def __getattr__(name: str) -> Any:
+    """The public names, looked up when they are first used: the rooms below import this package too."""
+    if name not in __all__:
+        raise AttributeError(f"module 'companion' has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(_ELSEWHERE.get(name, "companion.library.public")), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -42,7 +42,7 @@ MAY_IMPORT: dict[str, str] = {
     "record",
     "services": "frames fence geodesy mavlink_common vehicle flight places plans",
     "library": "frames geodesy calculus vehicle world paths law mission places allocation feasibility flight plan pilot "
-    "config record daemon",
+    "mavlink config record daemon",
     "cli": "*",
 }
 SIM_BRIDGE = {"plain_text", "mavlink_common", "frames", "geodesy", "vehicle", "world", "mavlink"}

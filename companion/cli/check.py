@@ -83,5 +83,5 @@ def _plottable(plot: Path) -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        message = "a picture needs matplotlib; install it with: pip install 'companion[report]'"
+        message = "a picture needs matplotlib; install it with: pip install 'px4-path-companion[report]'"
         raise ConfigError([Fault("--plot", 0, "", message)]) from None

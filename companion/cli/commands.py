@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from companion import __version__
 from companion.cli import file_commands, look_commands, record_commands, vehicle_commands
 from companion.cli.options import (
     Connect,
@@ -42,9 +43,7 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
-
-        print(f"companion {version('companion')}")
+        print(f"companion {__version__}")
         raise typer.Exit
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from companion import __version__
 from companion.world import World
 from companion.world.words import air_in_words, event_in_words, event_kind
 
@@ -23,11 +23,8 @@ class Simulated:
 
 
 def software_version() -> str:
-    """The version of the installed package; ``unknown`` where it runs from a bare tree."""
-    try:
-        return version("companion")
-    except PackageNotFoundError:
-        return "unknown"
+    """The version of this software."""
+    return __version__
 
 
 def simulation_document(simulated: Simulated) -> dict[str, Any]:

@@ -20,12 +20,13 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from companion import pilot
-from companion.cli import simulate, terminal
+from companion.cli import terminal
 from companion.cli.commands import app
 from companion.daemon.conductor import Conductor
 from companion.daemon.loop import clock
 from companion.daemon.rhythm import Rhythm
 from companion.daemon.scribe import PERIOD, Helper, Scribe
+from companion.library import simulation as simulate
 from companion.mavlink.codec import Decoder, Frame
 from companion.record import growing
 from companion.record.folder import Recorder

@@ -284,7 +284,7 @@ def test_without_matplotlib_it_says_what_to_install(flown: Path, monkeypatch: py
     for name in ("figures", "maps", "tracks", "style", "errors", "motion", "estimates", "timing"):
         monkeypatch.delattr(report, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(CompanionError, match=re.escape("pip install 'companion[report]'")):
+    with pytest.raises(CompanionError, match=re.escape("pip install 'px4-path-companion[report]'")):
         write_report(flown)
 
 
@@ -400,11 +400,11 @@ def test_a_flight_writes_its_page_and_never_fails_for_want_of_one(
     assert (tmp_path / "with" / "report.html").is_file()
 
     def missing(directory: Path) -> Path:
-        raise CompanionError("the report draws with matplotlib: pip install 'companion[report]'")
+        raise CompanionError("the report draws with matplotlib: pip install 'px4-path-companion[report]'")
 
     monkeypatch.setattr(report, "write_report", missing)
     without = CliRunner().invoke(app, [*words, str(tmp_path / "without")])
-    assert without.exit_code == 0 and without.stderr.count("pip install 'companion[report]'") == 1
+    assert without.exit_code == 0 and without.stderr.count("pip install 'px4-path-companion[report]'") == 1
     monkeypatch.setattr(report, "write_report", lambda directory: 1 / 0)
     broken = CliRunner().invoke(app, [*words, str(tmp_path / "broken")])
     assert broken.exit_code == 0 and "ZeroDivisionError" in broken.stderr

@@ -8,13 +8,13 @@ import math
 from dataclasses import dataclass, field
 
 from companion import pilot
-from companion.cli.simulate import start_of
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.conduct import Conduct
 from companion.flight.phases import Phase
 from companion.frames import rotation_matrix, tilt
+from companion.library.simulation import start_of
 from companion.mavlink.dialect import BY_NAME
 from companion.mavlink.link import WANTED as LINK_WANTED
 from companion.mavlink.telemetry import WANTED

@@ -38,7 +38,7 @@ def write_report(directory: Path) -> Path:
     except ImportError as error:
         if (error.name or "").split(".")[0] not in ("matplotlib", "mpl_toolkits"):
             raise
-        raise CompanionError("the report draws with matplotlib: pip install 'companion[report]'") from None
+        raise CompanionError("the report draws with matplotlib: pip install 'px4-path-companion[report]'") from None
     evidence = gathered(directory)
     text = page(evidence, figures.figures(evidence), zoom.library())
     target = directory / "report.html"
