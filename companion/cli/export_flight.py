@@ -6,9 +6,9 @@ import time
 from pathlib import Path
 
 from companion.cli.export import writable, write
-from companion.cli.orders import Faults
 from companion.cli.terminal import busy, say
 from companion.config.syntax.faults import ConfigError, Fault
+from companion.library.orders import Faults
 
 
 def export_flight(directory: Path, to: Path | None, *, csv: bool, mcap: bool, force: bool) -> None:

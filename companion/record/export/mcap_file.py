@@ -73,7 +73,7 @@ def write_mcap(file: Path, flight: Recorded, told: Told) -> int:
         from mcap.writer import Writer
     except ImportError:
         raise CompanionError(
-            "no MCAP file: the library mcap is missing; pip install 'companion[log]', or take --csv"
+            "no MCAP file: the library mcap is missing; pip install 'px4-path-companion[log]', or take --csv"
         ) from None
     channels = [*_poses(flight.table, told.epoch), *_scenes(flight, told.epoch), *_truth(flight, told.epoch)]
     channels += [_numbers(series, told.epoch) for series in series_of(flight.table)]
