@@ -71,7 +71,11 @@ def to_dict(conduct: Conduct) -> dict[str, Any]:
 
 
 def from_dict(values: dict[str, Any]) -> Conduct:
-    """The conduct that ``to_dict`` made plain. KeyError, TypeError, ValueError: it is none."""
+    """The conduct that ``to_dict`` made plain, by the name too that ``authority`` had before 2026-11-29 (``manner``).
+
+    KeyError, TypeError, ValueError: it is none.
+    """
+    values = {"authority" if key == "manner" else key: value for key, value in values.items()}
     limits = Limits(**values["limits"])
     if limits.home is not None:
         north, east, down = limits.home

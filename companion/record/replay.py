@@ -82,7 +82,17 @@ def load_flight(directory: Path) -> Recorded:
 
 
 def replay(flight: Recorded) -> Replayed:
-    """Feed what the pilot saw through the pilot again and compare what it does."""
+    """Feed what the pilot saw through the pilot again and compare what it does.
+
+    ConfigError: another version recorded the flight, and some of what this one sees is not in it.
+    """
+    missing = [column.name for column in rows.COLUMNS if column.name not in (flight.table.dtype.names or ())]
+    if missing:
+        message = (
+            f"another version of companion recorded it: {len(missing)} columns that this one needs are not in it, "
+            f"{missing[0]} among them; replay it with the version that flew it. The report can still be drawn"
+        )
+        raise ConfigError([Fault("flight.npy", 0, "", message)])
     memory = pilot.begin(flight.begun_at)
     setpoints = 0
     names = [column.name for column in rows.DONE]
