@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 
 from companion.frames import euler_from_rotation, rotation_matrix
-from companion.mavlink.codec import Counters, Frame
+from companion.mavlink.codec import Frame
+from companion.mavlink.counters import Counters
 from companion.mavlink.signing import SETUP_SIGNING
 from companion.mavlink_common import MavResult
 from companion.vehicle import MotorInterface, Vehicle

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.daemon.conductor import Conductor
-from companion.estimation.kalman import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, SIZE, THRUST_SCALE, UPPER, Belief
+from companion.estimation.kalman import Belief
+from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, SIZE, THRUST_SCALE, UPPER
 from companion.flight.phases import Phase
 from companion.frames import rotation_matrix
 from companion.vehicle import OutputLevel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from companion.daemon.loop import NoVehicleError, clock
 from companion.daemon.port import Port
-from companion.mavlink.codec import Counters
+from companion.mavlink.counters import Counters
 from companion.mavlink.key_setup import KeySetup
 
 HEARTBEAT_WITHIN = 10.0

@@ -3,7 +3,7 @@
 vehicle_estimate         the estimate block: all of the following, carried from state to state
 rate_loop_model          how its rate loop and motors answer a command
 rate_loop_identification the lag and gain of its rate loop
-kalman                   position, velocity, thrust scale, drag, disturbance, and how the reported ones wander
+kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, and how the reported ones wander
 noise_levels, adaptation how noisy it is, and how that is found
 estimator                what keeps the filter consistent: freezing, clamps, noise, resets
 predictor                a state advanced by a short time, under the commands already sent

@@ -8,15 +8,8 @@ is not.
 
 from __future__ import annotations
 
-from companion.estimation.kalman import (
-    GUST,
-    PER_AXIS,
-    POSITION_R_MIN,
-    VELOCITY_ERROR,
-    WANDER,
-    Belief,
-    Innovation,
-)
+from companion.estimation.kalman import Belief, Innovation
+from companion.estimation.kalman_step import GUST, PER_AXIS, POSITION_R_MIN, VELOCITY_ERROR, WANDER
 from companion.estimation.noise_levels import NoiseLevels
 from companion.frames import Vec3
 

@@ -19,11 +19,6 @@ from typing import NamedTuple
 
 from companion.estimation.adaptation import NOISE_FIRST, adapt_levels, adapt_measurement_noise
 from companion.estimation.kalman import (
-    DRAG,
-    GUST,
-    PER_AXIS,
-    THRUST_SCALE,
-    THRUST_SCALE_Q,
     Belief,
     Innovation,
     initial_belief,
@@ -31,6 +26,7 @@ from companion.estimation.kalman import (
     reset_disturbance,
     reset_position_velocity,
 )
+from companion.estimation.kalman_step import DRAG, GUST, PER_AXIS, THRUST_SCALE, THRUST_SCALE_Q
 from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.translation import acceleration
 from companion.frames import Matrix3, Vec3

@@ -21,7 +21,7 @@ from companion.estimation.estimator import (
     predict_measurement,
     update_estimate,
 )
-from companion.estimation.kalman import DRAG, THRUST_SCALE
+from companion.estimation.kalman_step import DRAG, THRUST_SCALE
 from companion.estimation.predictor import ForceModel, PredictedState, predict
 from companion.estimation.rate_loop_identification import (
     RateLoopEstimate,

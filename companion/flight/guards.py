@@ -8,24 +8,28 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from companion.flight.conduct import ControlAuthority, Finish
-from companion.flight.phases import EXITS, FLOWN, PHASES, Event, Phase
-from companion.flight.safety import Action
-from companion.flight.situation import Reply, Situation
+from companion.flight.interruptions import (
+    abort_required,
+    disarmed_externally,
+    failsafe,
+    hand_back_required,
+    law_failed,
+    left_offboard,
+    mode_words,
+    refused,
+    silent,
+    stale,
+    status_lost,
+    stop,
+    taken_over,
+    timed_out,
+)
+from companion.flight.phases import EXITS, Event, Phase
+from companion.flight.situation import Situation
 from companion.vehicle import Landed, Mode
 
-STATE_AGE_MAX = 0.2
-"""s: an older state is none (issue 11, rule 1)."""
-STATUS_LOST_AFTER = 2.5
-"""s without a word about the mode after which setpoints end: with the level ones of an abort within 3 s (rule 2)."""
-SILENT_AFTER = 2.5
-"""s without a word about the mode while taking off, after which nothing more is asked for."""
-DISARMED_FOR = 0.25
-"""s after ARM was accepted from which on a heartbeat that says disarmed was sent later (engineering choice: two times
-the longest way that is flown with)."""
 BEGUN_IN = (Mode.HOLD, Mode.POSITION)
 """The modes from which a flying vehicle is taken (rule 3)."""
-CONFIRM_WITHIN = 1.5
-"""s after an accepted mode change within which telemetry must show it (the heartbeat alone is 1 Hz)."""
 STREAM_FIRST = 0.1
 """s of setpoints before OFFBOARD is asked for: PX4 refuses the mode without a stream."""
 
@@ -37,16 +41,6 @@ def decide(situation: Situation) -> tuple[Phase, Event, str] | None:
         if reason is not None:
             return following, event, reason
     return None
-
-
-EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
-    Phase.ARM: frozenset(),
-    Phase.TAKE_OFF: frozenset({Mode.TAKEOFF, Mode.HOLD}),
-    **dict.fromkeys((Phase.TAKE_OVER, *FLOWN), frozenset({Mode.OFFBOARD})),
-    Phase.LAND: frozenset({Mode.LAND}),
-    Phase.RETURN: frozenset({Mode.RETURN}),
-}
-"""The modes in which a phase goes on, beside the one it was decided in as long as its own was not seen."""
 
 
 def _ready_on_ground(s: Situation) -> str | None:
@@ -74,7 +68,7 @@ def _not_ours(s: Situation) -> str | None:
         return None
     if not status.armed or status.mode is None or status.mode in BEGUN_IN:
         return None
-    return f"the vehicle flies in {_mode(s)}, and the companion takes over only from Hold or Position"
+    return f"the vehicle flies in {mode_words(s)}, and the companion takes over only from Hold or Position"
 
 
 def _ready_for_pilot(s: Situation) -> str | None:
@@ -147,7 +141,7 @@ def _ending(s: Situation) -> Finish:
 def _held(s: Situation) -> str | None:
     if not _left(s) or (s.phase is Phase.HAND_BACK and _ending(s) is not Finish.HOLD):
         return None
-    return f"the vehicle is in {_mode(s)}"
+    return f"the vehicle is in {mode_words(s)}"
 
 
 def _held_to_land(s: Situation) -> str | None:
@@ -169,130 +163,7 @@ def _disarmed(s: Situation) -> str | None:
 
 
 def _let_go(s: Situation) -> str | None:
-    return f"the vehicle is in {_mode(s)} and will not return to OFFBOARD" if _left(s) else None
-
-
-def _stop(s: Situation) -> str | None:
-    return "stopped by the user" if s.stop else None
-
-
-def _elsewhere(s: Situation) -> bool:
-    """Whether the vehicle is in a mode in which this phase does not go on: somebody or something decided otherwise."""
-    expected, mode = EXPECTED_MODES.get(s.phase), s.status.mode
-    if expected is None or mode is None or mode in expected:
-        return False
-    if mode is s.decided_in and not s.mode_seen:
-        return False
-    if s.phase in (Phase.LAND, Phase.RETURN) and s.status.landed is Landed.ON_GROUND:
-        return False  # PX4 leaves these modes itself when it disarms
-    return s.phase is Phase.ARM or s.status.armed is not False
-
-
-def _by_itself(s: Situation) -> bool:
-    """Whether a mode that is not this phase's is the vehicle's own decision: its user's intention has not changed."""
-    if s.status.intended is None:
-        return bool(s.status.failsafe)
-    return s.status.intended is not s.status.mode
-
-
-def _left_offboard(s: Situation) -> str | None:
-    if s.authority is not ControlAuthority.PILOT or not _elsewhere(s) or _by_itself(s):
-        return None
-    return f"the pilot took over: the mode is {_mode(s)} now"
-
-
-def _taken_over(s: Situation) -> str | None:
-    if s.authority is ControlAuthority.PILOT or not _elsewhere(s) or _by_itself(s):
-        return None
-    return f"the operator took over: the mode is {_mode(s)} now"
-
-
-def _failsafe(s: Situation) -> str | None:
-    if not _elsewhere(s) or not _by_itself(s):
-        return None
-    if s.phase not in FLOWN:
-        return f"a failsafe of the vehicle flies it in {_mode(s)} now"
-    return f"the vehicle left OFFBOARD by itself, for {_mode(s)} (a failsafe)"
-
-
-def _disarmed_externally(s: Situation) -> str | None:
-    if s.status.armed is not False:
-        return None
-    if s.phase is not Phase.ARM:
-        return "the vehicle was disarmed"
-    accepted = s.answer is not None and s.answer.accepted
-    # a heartbeat that was sent after ARM was accepted
-    later = s.answered - s.armed_heard > DISARMED_FOR
-    return "the vehicle was disarmed after ARM was accepted" if accepted and later else None
-
-
-def _stale(s: Situation) -> str | None:
-    since = s.entered if s.state_at is None else s.state_at
-    silent = s.now - since
-    if silent <= STATE_AGE_MAX:
-        return None
-    if s.unusable is None and s.late > 0.5 * STATE_AGE_MAX:
-        return f"no state from the vehicle younger than {STATE_AGE_MAX:g} s: they come {s.late:.2f} s late"
-    if s.unusable is None:
-        return f"no state from the vehicle for {silent:.2f} s"
-    return f"no new state from the vehicle for {silent:.2f} s: {s.unusable}"
-
-
-def _status_lost(s: Situation) -> str | None:
-    silent = s.status.mode_age
-    if silent <= STATUS_LOST_AFTER:
-        return None
-    return f"the vehicle has not said its mode for {silent:.1f} s (CURRENT_MODE, HEARTBEAT)"
-
-
-def _silent(s: Situation) -> str | None:
-    silent = s.status.mode_age
-    return f"nothing heard from the vehicle for {silent:.1f} s" if silent > SILENT_AFTER else None
-
-
-def _law_failed(s: Situation) -> str | None:
-    return s.law_error
-
-
-def _abort_required(s: Situation) -> str | None:
-    return s.verdict.reason if s.verdict.action is Action.ABORT else None
-
-
-def _hand_back_required(s: Situation) -> str | None:
-    return s.verdict.reason if s.verdict.action is Action.HAND_BACK else None
-
-
-def _refused(s: Situation) -> str | None:
-    if s.answer is None or s.answer.accepted or s.answer.reply is Reply.TEMPORARILY_REJECTED:
-        return None
-    return f"the vehicle refused {s.answer.request.value}: {s.answer.reply.words}"
-
-
-def _timed_out(s: Situation) -> str | None:
-    row = PHASES[s.phase]
-    lasted = s.now - s.entered
-    if s.phase in FLOWN and s.authority is ControlAuthority.COMPANION and not s.mode_seen and lasted > CONFIRM_WITHIN:
-        return f"OFFBOARD was accepted but the vehicle reports {_mode(s)}"
-    if row.time_out is None or lasted <= row.time_out:
-        return None
-    if s.phase is Phase.HAND_BACK and s.authority is ControlAuthority.PILOT:
-        return None  # it is held until the pilot has it
-    why = ""
-    if s.phase is Phase.PREFLIGHT:
-        why = f": {s.missing or 'the vehicle neither stands disarmed nor flies'}"
-    elif s.phase is Phase.SETTLE:
-        why = ": the thrust that carries the vehicle was not found"
-    elif s.answer is not None and not s.answer.accepted:
-        why = f": the vehicle answered {s.answer.reply.words}"
-    elif row.request is not None and s.answer is None:
-        why = ": the vehicle did not answer" if s.asked else ": its mode was not known, so nothing was asked of it"
-    elif s.phase is Phase.ABORT:
-        why = f": the vehicle accepted and reports {_mode(s)}"
-    return f"{s.phase.value} was not done within {row.time_out:g} s{why}"
-
-
-def _mode(s: Situation) -> str:
-    return "no known mode" if s.status.mode is None else s.status.mode.words
+    return f"the vehicle is in {mode_words(s)} and will not return to OFFBOARD" if _left(s) else None
 
 
 GUARDS: dict[Event, Callable[[Situation], str | None]] = {
@@ -315,19 +186,19 @@ GUARDS: dict[Event, Callable[[Situation], str | None]] = {
     Event.DISARMED: _disarmed,
     Event.LET_GO: _let_go,
     Event.NOT_OURS: _not_ours,
-    Event.STOP: _stop,
-    Event.LEFT_OFFBOARD: _left_offboard,
-    Event.TAKEN_OVER: _taken_over,
-    Event.FAILSAFE: _failsafe,
-    Event.DISARMED_EXTERNALLY: _disarmed_externally,
-    Event.STALE: _stale,
-    Event.STATUS_LOST: _status_lost,
-    Event.SILENT: _silent,
-    Event.LAW_FAILED: _law_failed,
-    Event.ABORT_REQUIRED: _abort_required,
-    Event.HAND_BACK_REQUIRED: _hand_back_required,
-    Event.REFUSED: _refused,
-    Event.TIMED_OUT: _timed_out,
+    Event.STOP: stop,
+    Event.LEFT_OFFBOARD: left_offboard,
+    Event.TAKEN_OVER: taken_over,
+    Event.FAILSAFE: failsafe,
+    Event.DISARMED_EXTERNALLY: disarmed_externally,
+    Event.STALE: stale,
+    Event.STATUS_LOST: status_lost,
+    Event.SILENT: silent,
+    Event.LAW_FAILED: law_failed,
+    Event.ABORT_REQUIRED: abort_required,
+    Event.HAND_BACK_REQUIRED: hand_back_required,
+    Event.REFUSED: refused,
+    Event.TIMED_OUT: timed_out,
 }
 
 _WATCHED = {

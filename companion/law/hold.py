@@ -19,9 +19,10 @@ from companion.calculus.vectors import Vector
 from companion.frames import Heading, Vec3
 from companion.law.errors import LawError
 from companion.law.feedback import Bounds, Wanted
-from companion.law.flight import Command, Flying, finished, inputs, known_motion, place
+from companion.law.flight import Command, Flying, place
 from companion.law.gains import Gains, Level
 from companion.law.motion import Model
+from companion.law.recording import finished, inputs, known_motion
 
 ACCELERATION_MAX = 4.0
 """m/s^2 of braking and of setting off. Engineering choice: 22 degrees of tilt."""

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from fastcrc.crc16 import mcrf4xx
 
+from companion.mavlink.counters import Counters
 from companion.mavlink.dialect import FORMATS, Format, Value
 from companion.mavlink.signing import SETUP_SIGNING, SIGNATURE_SIZE, SIGNED, Signing
 
@@ -51,17 +52,6 @@ class Frame(NamedTuple):
     component: int
     values: tuple[Value, ...]
     raw: bytes
-
-
-@dataclass(slots=True)
-class Counters:
-    """What a decoder has seen. ``lost``: frames missing by their senders' sequence numbers."""
-
-    frames: int = 0
-    unknown: int = 0
-    bad_crc: int = 0
-    garbage_bytes: int = 0
-    lost: int = 0
 
 
 @dataclass(slots=True)
@@ -161,15 +151,7 @@ class Decoder:
             found = _START.search(data, at + 1)
             at = size if found is None else found.start()
             if unknown is not None and at >= unknown[1]:
-                raw = data[unknown[0] : unknown[1]]
-                if self.signing is None or self.signing.accepts(raw, UNKNOWN_ID):
-                    counters.unknown += 1
-                    self._follow(unknown[3], unknown[2])
-                    if self.tap is not None:
-                        self.tap(raw)
-                counters.garbage_bytes += unknown[0] - done
-                done = unknown[1]
-                unknown = None
+                done, unknown = self._believed(data, done, unknown), None
             if at == size:
                 break
             signature = 0
@@ -211,6 +193,18 @@ class Decoder:
             at = end - 1
         counters.garbage_bytes += unfinished - done
         return frames, unfinished
+
+    def _believed(self, data: bytes, done: int, unknown: tuple[int, int, int, int]) -> int:
+        """Where a frame of a message that is not known here ends: what lies before it is garbage."""
+        start, end, sequence, sender = unknown
+        raw = data[start:end]
+        if self.signing is None or self.signing.accepts(raw, UNKNOWN_ID):
+            self.counters.unknown += 1
+            self._follow(sender, sequence)
+            if self.tap is not None:
+                self.tap(raw)
+        self.counters.garbage_bytes += start - done
+        return end
 
     def _accepted(
         self, fmt: Format, raw: bytes, sequence: int, system: int, component: int, payload: bytes

@@ -12,7 +12,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from companion.mavlink.codec import MAGIC_V1, MAGIC_V2, Counters, Decoder, Frame
+from companion.mavlink.codec import MAGIC_V1, MAGIC_V2, Decoder, Frame
+from companion.mavlink.counters import Counters
 from companion.mavlink.dialect import message
 from companion.mavlink.signing import Signing
 from companion.mavlink_common import MAV_AUTOPILOT_INVALID, MAV_COMP_ID_AUTOPILOT1, MAV_TYPE_GCS

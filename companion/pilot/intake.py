@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from companion.flight import safety
-from companion.flight.guards import STATE_AGE_MAX
+from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import Phase, Request
 from companion.frames import Vec3, conjugate, multiply
 from companion.pilot.memory import OWN_MODE, Memory, Observation, StateWatch, Sums

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from companion.flight.asking import Asking, next_at
 from companion.flight.bench import NOTHING_SHOWN, Shown
 from companion.flight.epilogue import Done
-from companion.flight.guards import STATE_AGE_MAX
+from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import Event, Phase, Request
 from companion.flight.safety import NOTHING_SINCE, Since
 from companion.flight.situation import Answer

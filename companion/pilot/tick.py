@@ -13,7 +13,8 @@ from companion.flight import safety
 from companion.flight.asking import asked, begun
 from companion.flight.bench import lacking, looked
 from companion.flight.conduct import ControlAuthority
-from companion.flight.guards import STATE_AGE_MAX, STREAM_FIRST, decide
+from companion.flight.guards import STREAM_FIRST, decide
+from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.errors import LawError

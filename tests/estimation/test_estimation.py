@@ -8,7 +8,7 @@ import random
 import numpy as np
 import pytest
 
-from companion.estimation import kalman
+from companion.estimation import kalman_step
 from companion.estimation.estimator import (
     EstimatorState,
     Measurement,
@@ -18,16 +18,8 @@ from companion.estimation.estimator import (
     predict_measurement,
     update_estimate,
 )
-from companion.estimation.kalman import (
-    DRAG,
-    SIZE,
-    THRUST_SCALE,
-    UPPER,
-    Belief,
-    initial_belief,
-    predict_and_update,
-    reset_position_velocity,
-)
+from companion.estimation.kalman import Belief, initial_belief, predict_and_update, reset_position_velocity
+from companion.estimation.kalman_step import DRAG, SIZE, THRUST_SCALE, UPPER
 from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.predictor import ForceModel, predict
 from companion.estimation.rate_loop_identification import initial_rate_loop_estimate, update_rate_loop_estimate
@@ -159,17 +151,22 @@ def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: Noise
         new[v] = x[v] + dt * a
         T[p, [v, u]] = dt
         T[v, [v, d, w, THRUST_SCALE, DRAG]] = 1.0 - c * dt, dt, dt, -F[i] * dt, -x[v] * dt
-        times = (kalman.WANDER_TIME, kalman.VELOCITY_ERROR_TIME, kalman.DISTURBANCE_TIME[i], kalman.GUST_TIME)
+        times = (
+            kalman_step.WANDER_TIME,
+            kalman_step.VELOCITY_ERROR_TIME,
+            kalman_step.DISTURBANCE_TIME[i],
+            kalman_step.GUST_TIME,
+        )
         for k, time in zip((u, b, d, w), times, strict=True):
             T[k, k] = 1.0 / (1.0 + dt / time) if time < 1e6 else 1.0
             new[k] = x[k] * T[k, k]
-        Q[p] = kalman.POSITION_Q + kalman.POSITION_Q_GAIN * (noise.position - kalman.POSITION_R_MIN)
-        Q[v], Q[d] = kalman.VELOCITY_Q, kalman.DISTURBANCE_Q[i]
+        Q[p] = kalman_step.POSITION_Q + kalman_step.POSITION_Q_GAIN * (noise.position - kalman_step.POSITION_R_MIN)
+        Q[v], Q[d] = kalman_step.VELOCITY_Q, kalman_step.DISTURBANCE_Q[i]
         levels = (noise.wander[i], noise.velocity_error[i], noise.gust[i])
         for k, time, level in zip((u, b, w), (times[0], times[1], times[3]), levels, strict=True):
             Q[k] = 2.0 * level / time
         H[i, p] = H[3 + i, v] = H[3 + i, b] = 1.0
-    Q[THRUST_SCALE:] = kalman.THRUST_SCALE_Q * learn, kalman.DRAG_Q * learn
+    Q[THRUST_SCALE:] = kalman_step.THRUST_SCALE_Q * learn, kalman_step.DRAG_Q * learn
     P = T @ P @ T.T + np.diag(Q) * dt
     R = np.diag([noise.position] * 3 + [noise.velocity] * 3)
     K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from companion.flight.conduct import ControlAuthority, Finish
-from companion.flight.guards import CONFIRM_WITHIN, GUARDS, STATE_AGE_MAX, decide
+from companion.flight.guards import GUARDS, decide
+from companion.flight.interruptions import CONFIRM_WITHIN, STATE_AGE_MAX
 from companion.flight.phases import (
     EXITS,
     FLOWN,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from companion.estimation.estimator import Prior
-from companion.estimation.kalman import DRAG
+from companion.estimation.kalman_step import DRAG
 from companion.estimation.rate_loop_model import RateLoop
 from companion.plan import Plan
 from companion.steering.rates import RateMemory, RateSteering

@@ -81,6 +81,8 @@ _KEEPS: dict[int, tuple[int, ...]] = {
     16: (0, 1), 17: (2,), 19: (0, 1, 2, 3), 21: (0, 1), 31: (0, 1, 3), 5001: (0,), 5002: (0,), 5003: (0,), 5004: (0,),
 }  # fmt: skip
 """Which of the first four parameters of a command with a place are kept; yaw apart."""
+NOT_A_MISSION = {5001, 5002, 5003, 5004, 5100}
+"""MAV_CMD of fences and rally points."""
 _YAWS = {16, 17, 21, 22, 84, 85}
 """MAV_CMD of items whose fourth parameter is a heading."""
 _FLAGS = {19: (1, 3), 31: (0, 3)}

@@ -14,7 +14,7 @@ from companion.mavlink_common import (
     MavSeverity,
 )
 from sim_bridge.autopilot.commander.commander import Text
-from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, Item, checksum, of_a_fence, read
+from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, NOT_A_MISSION, Item, checksum, of_a_fence, read
 from sim_bridge.autopilot.missions.mission_messages import (
     ACK,
     COUNT,
@@ -37,8 +37,6 @@ OUR_COMPONENTS = (0, 1, 190)
 """MAV_COMP_ID that a mission message may be meant for: all, the autopilot, the mission planner."""
 TOO_FEW_CORNERS = 3
 """of a fence's polygon."""
-_NOT_A_MISSION = {5001, 5002, 5003, 5004, 5100}
-"""MAV_CMD of fences and rally points."""
 
 _CLEAR, _LIST, _SET_CURRENT = (message(f"MISSION_{name}") for name in ("CLEAR_ALL", "REQUEST_LIST", "SET_CURRENT"))
 
@@ -238,7 +236,7 @@ class MissionLink:
             MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
             MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
         )
-        misplaced = self._kind == Kind.MISSION and item.command in _NOT_A_MISSION
+        misplaced = self._kind == Kind.MISSION and item.command in NOT_A_MISSION
         if misplaced or (self._kind == Kind.FENCE and polygon and item.params[0] < TOO_FEW_CORNERS):
             self._acknowledge(self._partner, MavMissionResult.ERROR)
             self._finish()

@@ -1,0 +1,152 @@
+"""Guards of what cuts in: the user, the operator, a failsafe, silence, a fault, a refusal, a time-out."""
+
+from __future__ import annotations
+
+from companion.flight.conduct import ControlAuthority
+from companion.flight.phases import FLOWN, PHASES, Phase
+from companion.flight.safety import Action
+from companion.flight.situation import Reply, Situation
+from companion.vehicle import Landed, Mode
+
+STATE_AGE_MAX = 0.2
+"""s: an older state is none (issue 11, rule 1)."""
+STATUS_LOST_AFTER = 2.5
+"""s without a word about the mode after which setpoints end: with the level ones of an abort within 3 s (rule 2)."""
+SILENT_AFTER = 2.5
+"""s without a word about the mode while taking off, after which nothing more is asked for."""
+DISARMED_FOR = 0.25
+"""s after ARM was accepted from which on a heartbeat that says disarmed was sent later (engineering choice: two times
+the longest way that is flown with)."""
+CONFIRM_WITHIN = 1.5
+"""s after an accepted mode change within which telemetry must show it (the heartbeat alone is 1 Hz)."""
+EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
+    Phase.ARM: frozenset(),
+    Phase.TAKE_OFF: frozenset({Mode.TAKEOFF, Mode.HOLD}),
+    **dict.fromkeys((Phase.TAKE_OVER, *FLOWN), frozenset({Mode.OFFBOARD})),
+    Phase.LAND: frozenset({Mode.LAND}),
+    Phase.RETURN: frozenset({Mode.RETURN}),
+}
+"""The modes in which a phase goes on, beside the one it was decided in as long as its own was not seen."""
+
+
+def stop(s: Situation) -> str | None:
+    return "stopped by the user" if s.stop else None
+
+
+def elsewhere(s: Situation) -> bool:
+    """Whether the vehicle is in a mode in which this phase does not go on: somebody or something decided otherwise."""
+    expected, mode = EXPECTED_MODES.get(s.phase), s.status.mode
+    if expected is None or mode is None or mode in expected:
+        return False
+    if mode is s.decided_in and not s.mode_seen:
+        return False
+    if s.phase in (Phase.LAND, Phase.RETURN) and s.status.landed is Landed.ON_GROUND:
+        return False  # PX4 leaves these modes itself when it disarms
+    return s.phase is Phase.ARM or s.status.armed is not False
+
+
+def by_itself(s: Situation) -> bool:
+    """Whether a mode that is not this phase's is the vehicle's own decision: its user's intention has not changed."""
+    if s.status.intended is None:
+        return bool(s.status.failsafe)
+    return s.status.intended is not s.status.mode
+
+
+def left_offboard(s: Situation) -> str | None:
+    if s.authority is not ControlAuthority.PILOT or not elsewhere(s) or by_itself(s):
+        return None
+    return f"the pilot took over: the mode is {mode_words(s)} now"
+
+
+def taken_over(s: Situation) -> str | None:
+    if s.authority is ControlAuthority.PILOT or not elsewhere(s) or by_itself(s):
+        return None
+    return f"the operator took over: the mode is {mode_words(s)} now"
+
+
+def failsafe(s: Situation) -> str | None:
+    if not elsewhere(s) or not by_itself(s):
+        return None
+    if s.phase not in FLOWN:
+        return f"a failsafe of the vehicle flies it in {mode_words(s)} now"
+    return f"the vehicle left OFFBOARD by itself, for {mode_words(s)} (a failsafe)"
+
+
+def disarmed_externally(s: Situation) -> str | None:
+    if s.status.armed is not False:
+        return None
+    if s.phase is not Phase.ARM:
+        return "the vehicle was disarmed"
+    accepted = s.answer is not None and s.answer.accepted
+    # a heartbeat that was sent after ARM was accepted
+    later = s.answered - s.armed_heard > DISARMED_FOR
+    return "the vehicle was disarmed after ARM was accepted" if accepted and later else None
+
+
+def stale(s: Situation) -> str | None:
+    since = s.entered if s.state_at is None else s.state_at
+    silent = s.now - since
+    if silent <= STATE_AGE_MAX:
+        return None
+    if s.unusable is None and s.late > 0.5 * STATE_AGE_MAX:
+        return f"no state from the vehicle younger than {STATE_AGE_MAX:g} s: they come {s.late:.2f} s late"
+    if s.unusable is None:
+        return f"no state from the vehicle for {silent:.2f} s"
+    return f"no new state from the vehicle for {silent:.2f} s: {s.unusable}"
+
+
+def status_lost(s: Situation) -> str | None:
+    silent = s.status.mode_age
+    if silent <= STATUS_LOST_AFTER:
+        return None
+    return f"the vehicle has not said its mode for {silent:.1f} s (CURRENT_MODE, HEARTBEAT)"
+
+
+def silent(s: Situation) -> str | None:
+    silent = s.status.mode_age
+    return f"nothing heard from the vehicle for {silent:.1f} s" if silent > SILENT_AFTER else None
+
+
+def law_failed(s: Situation) -> str | None:
+    return s.law_error
+
+
+def abort_required(s: Situation) -> str | None:
+    return s.verdict.reason if s.verdict.action is Action.ABORT else None
+
+
+def hand_back_required(s: Situation) -> str | None:
+    return s.verdict.reason if s.verdict.action is Action.HAND_BACK else None
+
+
+def refused(s: Situation) -> str | None:
+    if s.answer is None or s.answer.accepted or s.answer.reply is Reply.TEMPORARILY_REJECTED:
+        return None
+    return f"the vehicle refused {s.answer.request.value}: {s.answer.reply.words}"
+
+
+def timed_out(s: Situation) -> str | None:
+    row = PHASES[s.phase]
+    lasted = s.now - s.entered
+    if s.phase in FLOWN and s.authority is ControlAuthority.COMPANION and not s.mode_seen and lasted > CONFIRM_WITHIN:
+        return f"OFFBOARD was accepted but the vehicle reports {mode_words(s)}"
+    if row.time_out is None or lasted <= row.time_out:
+        return None
+    if s.phase is Phase.HAND_BACK and s.authority is ControlAuthority.PILOT:
+        return None  # it is held until the pilot has it
+    why = ""
+    if s.phase is Phase.PREFLIGHT:
+        why = f": {s.missing or 'the vehicle neither stands disarmed nor flies'}"
+    elif s.phase is Phase.SETTLE:
+        why = ": the thrust that carries the vehicle was not found"
+    elif s.answer is not None and not s.answer.accepted:
+        why = f": the vehicle answered {s.answer.reply.words}"
+    elif row.request is not None and s.answer is None:
+        why = ": the vehicle did not answer" if s.asked else ": its mode was not known, so nothing was asked of it"
+    elif s.phase is Phase.ABORT:
+        why = f": the vehicle accepted and reports {mode_words(s)}"
+    return f"{s.phase.value} was not done within {row.time_out:g} s{why}"
+
+
+def mode_words(s: Situation) -> str:
+    return "no known mode" if s.status.mode is None else s.status.mode.words
