@@ -26,6 +26,7 @@ from companion.mavlink.codec import Decoder
 from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.mavlink.parameters import Parameters
 from companion.mavlink.peer import Received
+from companion.mavlink.repeats import Repeats
 from companion.mavlink_common import MAV_COMP_ID_AUTOPILOT1
 from companion.pilot import First, Memory, Observation, Outcome
 from companion.plan import Plan
@@ -93,6 +94,7 @@ class Conductor:
         self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()
         self._frames: list[bytes] = []  # what came and went since the last ``sent``, for the record
+        self.repeats = Repeats()
         self.decoder = Decoder(wanted=wire.WANTED | telemetry.WANTED | PARAMETERS_WANTED | GROUND_WANTED)
         if recorder is not None:
             self.decoder.tap = self._frames.append
@@ -169,6 +171,8 @@ class Conductor:
             else:
                 continue
             for frame in decoder.stream(data) if stream else decoder.piece(data, now):
+                if self.link.of_vehicle(frame) and self.repeats.is_repeat(frame):
+                    continue
                 acknowledged = self.link.receive(frame, now)
                 if acknowledged is not None:
                     answer = self._answer(*acknowledged)
@@ -263,6 +267,12 @@ class Conductor:
         if self.memory is None or self.plan is None:
             self._prepare(state, now)
             return  # making the plan took its time, and this state is no longer fresh
+        waits = self.memory.phase is Phase.PREFLIGHT
+        self.link.peers.flying = not waits
+        if waits and self.preparation.doubt() is not None:
+            self.preparation.refusal = self.preparation.doubt()
+            self.preparation.restore(now)
+            return
         clock = self.link.clock
         clock.may_restart = self.memory.phase in NOT_FLYING
         seen = Observation(
@@ -320,7 +330,6 @@ class Conductor:
             preparation.restore(now)
         if self.plan is None:
             return
-        self.link.peers.flying = True
         self.memory = pilot.begin(now)
         if self._recorder is not None:
             self._recorder.begin(self.plan, now)

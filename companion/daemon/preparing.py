@@ -181,6 +181,19 @@ class Preparation:
             return (
                 f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
             )
+        doubt = self.doubt()
+        if doubt is not None or orders.level is not OutputLevel.MOTORS:
+            return doubt
+        refused = output.motors_refused(orders.vehicle, identity.direct_motors)
+        if refused is None and identity.direct_motors is None and self._known_for(now) > IDENTITY_WITHIN:
+            return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
+        return refused
+
+    def doubt(self) -> str | None:
+        """Why it is not certain which vehicle is ours; None where it is."""
+        identity = self.link.identity
+        if identity is None:
+            return None
         if self.link.others:
             systems = ", ".join(str(system) for system in sorted({identity.system, *self.link.others}))
             return f"two autopilots speak on the link (systems {systems}); connect to the one that is to fly"
@@ -194,12 +207,7 @@ class Preparation:
                 f"another vehicle answers as system {identity.system}: its uid is {is_now} and was {was}; start again "
                 "when only the one that is to fly is on"
             )
-        if orders.level is not OutputLevel.MOTORS:
-            return None
-        refused = output.motors_refused(orders.vehicle, identity.direct_motors)
-        if refused is None and identity.direct_motors is None and self._known_for(now) > IDENTITY_WITHIN:
-            return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
-        return refused
+        return None
 
     def _known_for(self, now: float) -> float:
         return 0.0 if self.heard_at is None else now - self.heard_at

@@ -44,6 +44,15 @@ FAR_OFF = 1.0
 """m from the path that a vehicle may be for a while and not for good (engineering choice)."""
 
 
+THRUST_SPENT, SINKING = 0.95, 0.8
+"""Of the largest thrust; m/s. One motor at half its thrust comes to this within 0.5 s (engineering choice)."""
+PULLED_DOWN, OFF_THE_PATH = 0.5, 0.5
+"""m/s^2, m: at the bottom of a steep curve a sound vehicle sinks at full thrust too, but neither is it pulled down nor
+does it leave its path (engineering choice)."""
+LINK_DELAY_MAX = 0.2
+"""s there and back (issue 11: 100 ms each way). Beyond it the law leans too far."""
+
+
 class Action(enum.IntEnum):
     """What is done, the worse the larger: nothing; HOLD is asked for and the law flies until it is there; HOLD is asked
     for and the vehicle is only levelled."""
@@ -61,8 +70,10 @@ class SafetyInputs(NamedTuple):
     ``above_home`` m. ``tilt``: rad. ``tilt_error``: rad between the thrust axis and the one the law asks for.
     ``rate_error``: rad/s between the rates asked for and flown, None where none are. ``turning``: rad/s, how fast it
     turns. ``still``: it neither moves nor turns.
-    ``saturated``: a limit of the vehicle was met. ``jump``: m that the position jumped, ``flagged`` by the estimator's
-    reset counter.
+    ``saturated``: a limit of the vehicle was met. ``thrust_share``: of the largest thrust, asked for; ``sinking``: m/s
+    downwards; ``pulled_down``: m/s^2 that thrust, drag and weight do not explain, None where it is not estimated.
+    ``link_delay``: s there and back, None where it is not known. ``jump``: m that the position jumped, ``flagged`` by
+    the estimator's reset counter.
     ``velocity_off`` m/s, ``rates_off`` rad/s: how far position and velocity, and attitude and rates, disagree.
     ``same_place``, ``same_attitude``: the last state repeated those of the one before, although it moves, or turns.
     ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
@@ -83,6 +94,10 @@ class SafetyInputs(NamedTuple):
     turning: float = 0.0
     still: bool = False
     saturated: bool = False
+    thrust_share: float = 0.0
+    sinking: float = 0.0
+    pulled_down: float | None = None
+    link_delay: float | None = None
     jump: float = 0.0
     flagged: bool = True
     velocity_off: float = 0.0
@@ -172,6 +187,20 @@ def _rates(s: SafetyInputs, limits: Limits) -> str | None:
     if s.rate_error is None or s.rate_error <= RATE_ERROR or s.turning <= TURNING:
         return None
     return f"the vehicle turns {s.rate_error:.1f} rad/s otherwise than it is told"
+
+
+def _thrust(s: SafetyInputs, limits: Limits) -> str | None:
+    if limits.tilt is None or s.thrust_share < THRUST_SPENT or s.sinking < SINKING:
+        return None
+    if s.pulled_down < PULLED_DOWN if s.pulled_down is not None else s.path_error < OFF_THE_PATH:
+        return None  # the bottom of a steep curve, flown as it should be
+    return f"the thrust does not answer: it is at its limit, and the vehicle sinks at {s.sinking:.1f} m/s"
+
+
+def _delay(s: SafetyInputs, limits: Limits) -> str | None:
+    if s.link_delay is None or s.link_delay <= LINK_DELAY_MAX:
+        return None
+    return f"a message takes {s.link_delay:.2f} s there and back, more than {LINK_DELAY_MAX:g} s"
 
 
 def _floor(s: SafetyInputs, limits: Limits) -> str | None:
@@ -295,6 +324,20 @@ ROWS: tuple[Row, ...] = (
         0.4,
         Action.ABORT,
         "land it and look at motors and propellers",
+    ),
+    Row(
+        f"the thrust is at its limit, and the vehicle sinks at {SINKING:g} m/s",
+        _thrust,
+        0.3,
+        Action.HAND_BACK,
+        "land it and look at motors, propellers and battery",
+    ),
+    Row(
+        f"a message takes {LINK_DELAY_MAX:g} s there and back",
+        _delay,
+        0.3,
+        Action.HAND_BACK,
+        "use a quicker link, or send less over it",
     ),
     Row("below the floor", _floor, 0.1, Action.HAND_BACK, "raise the path, or lower the floor"),
     Row("above the ceiling", _ceiling, 0.1, Action.HAND_BACK, "lower the path, or raise the ceiling"),

@@ -113,3 +113,25 @@ def test_the_tilt_error_beside_a_point(level: Level) -> None:
     assert angle(law(flying, (10.0, 0.0, -10.0), 0.0)) < 1e-6
     # far away no more than so much acceleration is asked for
     assert angle(law(flying, (0.0, 0.0, -10.0), 0.0)) == pytest.approx(math.degrees(math.atan(4.0 / X500.gravity)))
+
+
+def test_thrust_that_does_not_answer_is_told_from_the_bottom_of_a_curve() -> None:
+    weak = CALM._replace(thrust_share=0.97, sinking=1.0, pulled_down=1.2)
+    limits = LIMITS._replace(tilt=1.0)
+    assert after(0.29, weak, limits) is Action.NONE
+    assert after(0.31, weak, limits) is Action.HAND_BACK
+    for calm in (
+        weak._replace(thrust_share=0.9), weak._replace(sinking=0.5), weak._replace(pulled_down=0.1),
+        weak._replace(pulled_down=None, path_error=0.2),
+    ):  # fmt: skip
+        assert after(10.0, calm, limits) is Action.NONE
+    assert after(1.0, weak._replace(pulled_down=None, path_error=0.9), limits) is Action.HAND_BACK
+    assert after(1.0, weak, limits._replace(tilt=None)) is Action.NONE
+
+
+def test_a_link_that_becomes_slow_in_flight_hands_back() -> None:
+    assert after(10.0, CALM._replace(link_delay=0.19)) is Action.NONE
+    assert after(10.0, CALM) is Action.NONE
+    slow = CALM._replace(link_delay=0.21)
+    assert after(0.29, slow) is Action.NONE
+    assert after(0.31, slow) is Action.HAND_BACK

@@ -1,0 +1,51 @@
+"""Frames that come a second time: a network with two routes, a relay that sends again. The second one is no news.
+
+A status has no stamp, so that an old one that comes late would be taken for what is so now. The second is told from the
+first by the sender's own number on the frame, which lies behind the newest one, and by its bytes, which are the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from companion.mavlink.codec import MAGIC_V2, Frame
+
+NUMBERS = 256
+"""Of frames in MAVLink: then a sender begins again."""
+AHEAD_MAX = 64
+"""How far ahead of the newest number a frame may be and be the next one, others lost between: a tenth of a second of a
+busy link. What is further ahead is behind: it comes late, at most 0.3 s at 600 frames a second."""
+SENDERS_MAX = 8
+"""Senders that are told apart: the vehicle, and whom it forwards. Those of any others are not looked at."""
+
+
+@dataclass(slots=True)
+class _Sender:
+    newest: int
+    seen: list[bytes | None] = field(default_factory=lambda: [None] * NUMBERS)
+
+
+@dataclass(slots=True)
+class Repeats:
+    """What each sender said last, by the numbers of its frames. ``count``: how many came again."""
+
+    count: int = 0
+    _senders: dict[int, _Sender] = field(default_factory=dict)
+
+    def is_repeat(self, frame: Frame) -> bool:
+        """Whether this very frame has come before. It counts as come from now on."""
+        raw = frame.raw
+        number = raw[4] if raw[0] == MAGIC_V2 else raw[2]
+        who = frame.system << 8 | frame.component
+        sender = self._senders.get(who)
+        if sender is None:
+            if len(self._senders) >= SENDERS_MAX:
+                return False
+            sender = self._senders[who] = _Sender(number)
+        elif 1 <= (number - sender.newest) % NUMBERS <= AHEAD_MAX:
+            sender.newest = number
+        elif sender.seen[number] == raw:
+            self.count += 1
+            return True
+        sender.seen[number] = raw
+        return False
