@@ -58,7 +58,7 @@ class Case:
     ``parameters``: PX4's, set before. ``within``: s after the first event in which it must be given up; None: any.
     ``loses_thrust``: it may come down. ``tilt_max``: degrees, at most, while it is ours. ``lost_max``: m of height at
     most; None: half of it. ``stop_at``: when the user stops it (s, as the events). ``watched_for``: s for which the
-    vehicle is watched on.
+    vehicle is watched on. ``time_out``: s of the plant within which it must be over.
     """
 
     name: str
@@ -84,6 +84,7 @@ class Case:
     mission: str = "circle_r5"
     speed: float = 3.0
     watched_for: float = 2.0
+    time_out: float = 90.0
 
 
 def shifted(event: Event, t: float) -> Event:

@@ -51,6 +51,7 @@ def drawn(seed: int) -> tuple[Case, OutputLevel]:
         mission=rng.choice(("circle_r5", "circle_r5", "figure8", "line")),
         parameters={"COM_OBL_RC_ACT": rng.choice(FAILSAFES), "RTL_RETURN_ALT": 12.0, "RTL_DESCEND_ALT": 5.0},
         mutated=rng.choice((0.0, 0.0, 0.0, 0.002, 0.02)), stop_at=rng.uniform(20.0, 60.0), watched_for=0.0,
+        time_out=TIME_OUT,
     )  # fmt: skip
     return case, rng.choice((OutputLevel.RATES, OutputLevel.RATES, OutputLevel.ATTITUDE, OutputLevel.MOTORS))
 

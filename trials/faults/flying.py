@@ -43,8 +43,6 @@ UNWANTED = frozenset(
     BY_NAME[name].id for name in TABLE
 ) - WANTED - LINK_WANTED  # fmt: skip
 """Streams the companion does not read: left out, a flight is computed in three quarters of the time."""
-TIME_OUT = 90.0
-"""s after which a flight that is not over never will be."""
 
 
 @dataclass(frozen=True)
@@ -117,9 +115,9 @@ def _start(case: Case, mission: Mission) -> Start | None:
     return start
 
 
-def fly(case: Case, level: OutputLevel, seed: int = 0, time_out: float = TIME_OUT) -> Flight:
+def fly(case: Case, level: OutputLevel, seed: int = 0) -> Flight:
     """Fly a case. What the companion raises is raised."""
-    return Sortie(case, level, seed).fly(time_out)
+    return Sortie(case, level, seed).fly()
 
 
 class Sortie:
@@ -150,10 +148,10 @@ class Sortie:
         self._orders_seen = 0
         self._was_high = False
 
-    def fly(self, time_out: float) -> Flight:
+    def fly(self) -> Flight:
         """Fly to the end, and watch the vehicle for a while longer."""
         flight, bridge = self.flight, self.bridge
-        while not self._is_over(time_out):
+        while not self._is_over(self._case.time_out):
             self._step()
             self._look()
         unmet = self.conductor.link.identity is None

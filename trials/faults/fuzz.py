@@ -78,7 +78,7 @@ def simplest(seed: int, words: str) -> tuple[Case, OutputLevel]:
 
 def _broken(case: Case, level: OutputLevel, seed: int) -> tuple[float, int, tuple[str, ...]]:
     try:
-        flight = fly(case, level, seed, TIME_OUT)
+        flight = fly(case, level, seed)
     except Exception:
         last = traceback.format_exc().strip().splitlines()
         return 0.0, 0, (f"an exception: {last[-1]} ({' '.join(last[-3].split())})",)

@@ -40,7 +40,7 @@ TWICE = tuple(
 )  # fmt: skip
 
 OTHERS_TWICE = (
-    Case("HEARTBEAT and CURRENT_MODE twice, 0.3 s later", End.FLOWN,
+    Case("HEARTBEAT and CURRENT_MODE twice, 0.3 s later", End.FLOWN, begin=Begin.ON_THE_GROUND, duration=1.0,
          events=(LinkDuplicate(When(0.0), messages=STATUS, delay=0.3),)),
     Case("every command twice, 15 ms later", End.FLOWN, begin=Begin.BESIDE, duration=1.0,
          events=(LinkDuplicate(When(0.0), down=False, delay=0.015),)),
@@ -90,9 +90,9 @@ IN_PIECES = (
     Case("bytes gathered for 20 ms", End.FLOWN, events=(LinkRecut(When(0.0), size=1400, wait=0.02),)),
     Case("bytes cut into datagrams of 77, from the ground", End.FLOWN, begin=Begin.ON_THE_GROUND, duration=1.0,
          events=(LinkRecut(When(0.0), size=77),)),
-    Case("14 states a second", End.FLOWN, "14|states a second", or_end=(End.REFUSED,),
+    Case("14 states a second", End.FLOWN, "14 states a second", or_end=(End.REFUSED,), begin=Begin.ON_THE_GROUND,
          events=(LinkThin(When(0.0), up=False, messages=ODOMETRY, rate=14.0),)),
-    Case("6 states a second", End.REFUSED, "states a second|states arrive|ODOMETRY",
+    Case("6 states a second", End.REFUSED, "6 states a second", begin=Begin.ON_THE_GROUND,
          events=(LinkThin(When(0.0), up=False, messages=ODOMETRY, rate=6.0),)),
     Case("14 states a second from the middle of the path on", End.FLOWN, or_end=(End.HELD,), phase=Phase.FOLLOW,
          events=(LinkThin(When(2.0), up=False, messages=ODOMETRY, rate=14.0),)),
@@ -114,12 +114,14 @@ CUT = (
            events=(down(t),))
       for phase, t, begin, finish in (
           (Phase.ARM, 0.0, Begin.ON_THE_GROUND, Finish.HOLD), (Phase.TAKE_OFF, 1.0, Begin.ON_THE_GROUND, Finish.HOLD),
-          (Phase.LAND, 1.0, Begin.ON_THE_PATH, Finish.LAND), (Phase.RETURN, 1.0, Begin.ON_THE_PATH, Finish.RETURN))),
+          )),
+    Case("the downlink cut in return", End.ENDED, phase=Phase.RETURN, finish=Finish.RETURN, duration=1.0,
+         events=(down(1.0),), time_out=320.0, parameters={"RTL_RETURN_ALT": 12.0}),
     Case("the uplink cut for good, and PX4 lands", End.ENDED, phase=Phase.FOLLOW, events=(up(2.0),),
-         parameters={"COM_OBL_RC_ACT": 4}),
+         parameters={"COM_OBL_RC_ACT": 4}, time_out=320.0),
     Case("the uplink cut for 0.15 s", End.FLOWN, phase=Phase.FOLLOW, events=(up(2.0, 2.15),)),
-    Case("the uplink cut for 1 s", End.FAILSAFE, or_end=(End.HELD, End.FLOWN), phase=Phase.FOLLOW,
-         events=(up(2.0, 3.0),)),
+    Case("the uplink cut for 1 s, and PX4 lands", End.ENDED, phase=Phase.FOLLOW, events=(up(2.0, 3.0),),
+         parameters={"COM_OBL_RC_ACT": 4}),
     Case("the uplink cut in arm", End.ENDED, phase=Phase.ARM, begin=Begin.ON_THE_GROUND, events=(up(),)),
     Case("the uplink cut in take over", End.ENDED, phase=Phase.TAKE_OVER, events=(up(),)),
 )  # fmt: skip

@@ -32,7 +32,7 @@ WHOLE_LINK = (
     told(Order.RETURN, TAKE_OFF),
     *(told(order, place) for place in (TAKE_OVER, SETTLE, JOIN, FOLLOW) for order in (Order.LAND, Order.RETURN)),
     *(told(Order.HOLD, place) for place in (SETTLE, JOIN, FOLLOW)),
-    told(Order.LAND, HAND_BACK, says=""),
+    told(Order.LAND, HAND_BACK, or_end=(End.FLOWN,)),
     told(Order.HOLD, LAND),
     told(Order.RETURN, LAND),
     told(Order.HOLD, RETURN),
@@ -54,20 +54,20 @@ WHOLE_LINK = (
 )  # fmt: skip
 
 HALF_A_LINK = (
-    *(told(order, (phase, t + 0.5, begin, finish), down(t), cut=", the downlink cut", watched_for=8.0)
+    # HOLD may be asked for until 1 s after the last status; whoever lands it before is taken back once, to Hold
+    *(told(order, (phase, t + 1.1, begin, finish), down(t), cut=", the downlink cut 1.1 s before", watched_for=4.0)
       for order, (phase, t, begin, finish) in (
           (Order.LAND, TAKE_OFF), (Order.LAND, TAKE_OVER), (Order.LAND, JOIN), (Order.LAND, FOLLOW),
-          (Order.RETURN, FOLLOW), (Order.LAND, HAND_BACK), (Order.HOLD, LAND), (Order.LAND, RETURN))),
-    Case("the operator lands 1.5 s after the downlink was cut", End.OPERATORS, phase=Phase.FOLLOW, watched_for=8.0,
-         events=(down(1.0), at(2.5, Order.LAND))),
-    Case("the operator lands in abort, the downlink cut", End.OPERATORS, phase=Phase.FOLLOW, watched_for=8.0,
-         events=(down(1.0), at(1.35, Order.LAND))),
+          (Order.RETURN, FOLLOW), (Order.LAND, HAND_BACK))),
+    told(Order.HOLD, (Phase.LAND, 1.5, *LAND[2:]), down(1.0), cut=", the downlink cut", time_out=200.0),
+    Case("the operator lands in abort, the downlink cut", End.HELD, or_end=(End.OPERATORS,), phase=Phase.FOLLOW,
+         watched_for=4.0, events=(down(1.0), at(1.35, Order.LAND))),
     Case("the operator disarms 60 ms after the arming, the downlink cut", End.OPERATORS, phase=Phase.ARM,
          begin=Begin.ON_THE_GROUND, events=(down(0.05), at(0.06, Order.DISARM)), watched_for=12.0),
     Case("OFFBOARD is lost on the way up, the operator lands", End.OPERATORS, phase=Phase.TAKE_OVER,
          events=(up(0.0, 1.5, frozenset({"COMMAND_LONG"})), at(0.7, Order.LAND)), watched_for=4.0),
-    Case("HOLD is lost on the way up, the operator lands", End.OPERATORS, phase=Phase.HAND_BACK, duration=1.0,
-         events=(up(0.0, 1.5, frozenset({"COMMAND_LONG"})), at(0.7, Order.LAND)), watched_for=4.0),
+    Case("HOLD is lost on the way up, the operator lands", End.OPERATORS, or_end=(End.FLOWN,), phase=Phase.FOLLOW,
+         duration=1.0, events=(up(0.9, 2.5, frozenset({"COMMAND_LONG"})), at(1.7, Order.LAND)), watched_for=4.0),
     Case("HEARTBEAT and CURRENT_MODE silent, the operator lands", End.OPERATORS, phase=Phase.FOLLOW, duration=20.0,
          events=(down(1.0, messages=STATUS), at(1.5, Order.LAND)), watched_for=4.0),
     Case("CURRENT_MODE silent, the operator lands", End.OPERATORS, phase=Phase.FOLLOW, duration=20.0,

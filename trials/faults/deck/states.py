@@ -71,10 +71,10 @@ STANDING = (
     *(Case(f"{part.value} frozen{' but for 1e-6 of noise' if noise else ''}", End.HELD, phase=Phase.FOLLOW, within=0.5,
            tilt_max=45.0, events=(FrozenState(When(2.0), part, noise),))
       for part in (Part.POSITION, Part.ATTITUDE, Part.STATE) for noise in (0.0, NOISE)),
-    *(Case(f"{part.value} frozen but for 1e-6 of noise, joining", End.HELD, phase=Phase.JOIN, within=0.7, tilt_max=45.0,
+    *(Case(f"{part.value} frozen but for 1e-6 of noise, joining", End.HELD, phase=Phase.JOIN, tilt_max=45.0,
            begin=Begin.BESIDE, events=(FrozenState(When(1.5), part, NOISE),))
       for part in (Part.POSITION, Part.ATTITUDE)),
-    *(Case(f"{part.value} frozen but for 1e-3 of noise", End.HELD, phase=Phase.FOLLOW, within=0.7, tilt_max=45.0,
+    *(Case(f"{part.value} frozen but for 1e-3 of noise", End.HELD, phase=Phase.FOLLOW, within=1.5, tilt_max=45.0,
            events=(FrozenState(When(2.0), part, 1e-3),))
       for part in (Part.POSITION, Part.ATTITUDE)),
     *(Case(f"{part.value} frozen for 0.15 s", End.FLOWN, phase=Phase.FOLLOW,
