@@ -39,7 +39,8 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     world        what a simulated world is                           mavlink     the wire
     config       files people write -> values                        record      the evidence, and what is made of it
     daemon       the only sockets and clocks                         services    MAVSDK, off the control path
-    library      what Python and the commands offer alike            cli         the commands
+    library      what Python and the commands offer alike            watch       the live page, a process of its own
+    cli          the commands
 
 The vehicle's software stand-in is its own package, ``sim_bridge``, with its own derivation of the physics.
 """

@@ -1,7 +1,8 @@
-"""The commands that only look: preflight, status."""
+"""The commands that only look: preflight, status, watch."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -59,7 +60,27 @@ def status(json: Json = False) -> None:
     raise typer.Exit(tell(json))
 
 
+def watch(
+    listen: Annotated[
+        str, typer.Option("--listen", metavar="HOST:PORT", help="Where the page is served.")
+    ] = "127.0.0.1:8765",
+    token_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--token-file",
+            metavar="FILE",
+            help="A token that viewers must have.",
+            show_default="a new one beyond loopback, else none",
+        ),
+    ] = None,
+) -> None:
+    """Show the companions on this computer on a live page, for phone and laptop. Ctrl-C ends it."""
+    from companion.cli.watch import watch as serve
+
+    serve(listen, token_file)
+
+
 def register(app: typer.Typer) -> None:
     """Add the commands."""
-    for command in (preflight, status):
+    for command in (preflight, status, watch):
         app.command()(command)

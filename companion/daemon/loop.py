@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 
 from companion.daemon.conductor import Conductor
 from companion.daemon.last_resort import LastResort
+from companion.daemon.live import Publisher
 from companion.daemon.port import Port
 from companion.daemon.priority import split_by_priority
 from companion.daemon.progress import about
@@ -54,9 +55,11 @@ def run(
     with _undisturbed(), contextlib.closing(Service(os.environ)) as service:
         notice = StatusFile(about(conductor.orders, port.describe(), recorder))
         teller = Teller(conductor, notice, service, say, clock)
+        publisher = Publisher(conductor, teller.lines, clock)
         scribe = None if recorder is None else Scribe(recorder, teller.lines, clock)
         try:
             teller.start()
+            publisher.start()
             if scribe is not None:
                 scribe.start()
             with punctual() as priority:
@@ -67,7 +70,9 @@ def run(
             service.stopping()
             if scribe is not None and recorder is not None and not scribe.finish(DISK_PATIENCE):
                 recorder.abandon()
+            publisher.finish(SCREEN_PATIENCE)
             teller.finish(SCREEN_PATIENCE)
+            publisher.remove()
             notice.remove()
 
 

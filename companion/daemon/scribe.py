@@ -33,7 +33,10 @@ DISK_PATIENCE, SCREEN_PATIENCE = 5.0, 2.0
 
 
 class Helper(threading.Thread):
-    """Does its work every PERIOD until it is told to finish. What it cannot do is said once, and never the flight's."""
+    """Does its work every ``period`` s until it is told to finish. What it cannot do is said once, and never the
+    flight's."""
+
+    period = PERIOD
 
     def __init__(self, name: str, lines: deque[str], clock: Callable[[], float]) -> None:
         super().__init__(name=name, daemon=True)
@@ -49,7 +52,7 @@ class Helper(threading.Thread):
     def run(self) -> None:
         """See Thread."""
         at_priority(HELPER_PRIORITY)
-        while not self._finished.wait(PERIOD):
+        while not self._finished.wait(self.period):
             self._work()
 
     def finish(self, patience: float) -> bool:

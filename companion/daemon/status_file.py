@@ -19,6 +19,8 @@ from typing import Any, NamedTuple
 from companion.record.owned_files import READABLE, owner_of, read_owned, write_owned
 
 SCHEMA = "companion.status/1"
+LIVE, PATH = ".live", ".path"
+"""What lies beside a status file: see ``live``."""
 SILENT_AFTER = 5.0
 """s without a new word after which a running companion hangs."""
 
@@ -43,11 +45,14 @@ SHARED = ("run/companion", "run/user/*/companion", f"{_temporary_directory()}/co
 
 
 class FlightStatus(NamedTuple):
-    """What one companion said last. ``age``: s since then. ``running``: whether its process is still there."""
+    """What one companion said last. ``age``: s since then. ``running``: whether its process is still there. ``file``:
+    where it said so, ``owner``: the user's number it belongs to."""
 
     told: Mapping[str, Any]
     age: float
     running: bool
+    file: Path = Path()
+    owner: int = 0
 
 
 class StatusFile:
@@ -55,7 +60,7 @@ class StatusFile:
 
     def __init__(self, about: Mapping[str, Any], environment: Mapping[str, str] = os.environ) -> None:
         self._about = {"schema": SCHEMA, "pid": os.getpid(), **about}
-        self._file = _own_directory(environment) / f"{os.getpid()}.json"
+        self._file = own_directory(environment) / f"{os.getpid()}.json"
 
     def write(self, said: Mapping[str, Any]) -> None:
         """Say where the flight stands."""
@@ -67,22 +72,24 @@ class StatusFile:
             self._file.unlink()
 
 
-def read_statuses(environment: Mapping[str, str] = os.environ) -> list[FlightStatus]:
-    """Every companion on this computer, the last one heard first; those that are no more are told once."""
+def read_statuses(environment: Mapping[str, str] = os.environ, *, once: bool = True) -> list[FlightStatus]:
+    """Every companion on this computer, the last one heard first. ``once``: those that are no more are told once."""
     found = []
     for file, owner in _files(environment):
         told = _told(read_owned(file, owner))
         if told is None:
             continue
         running = _is_running(told["pid"])
-        if not running and owner == os.geteuid():
-            with contextlib.suppress(OSError):
-                file.unlink()
-        found.append(FlightStatus(told, max(0.0, time.time() - told["written_at"]), running))
+        if once and not running and owner == os.geteuid():
+            for left in (file, file.with_suffix(LIVE), file.with_suffix(PATH)):
+                with contextlib.suppress(OSError):
+                    left.unlink()
+        found.append(FlightStatus(told, max(0.0, time.time() - told["written_at"]), running, file, owner))
     return sorted(found, key=lambda status: status.age)
 
 
-def _own_directory(environment: Mapping[str, str]) -> Path:
+def own_directory(environment: Mapping[str, str]) -> Path:
+    """Where this user's companions say how they are."""
     given = environment.get("RUNTIME_DIRECTORY", "").split(":")[0]
     if given:
         return Path(given).resolve()  # a service manager may give a link
@@ -104,7 +111,7 @@ def _told(text: str | None) -> dict[str, Any] | None:
 def _files(environment: Mapping[str, str]) -> Iterator[tuple[Path, int]]:
     """Each file, and the user's number it must belong to: its directory's owner."""
     shared = (directory for pattern in SHARED for directory in Path("/").glob(pattern))
-    for directory in sorted({_own_directory(environment), *shared}):
+    for directory in sorted({own_directory(environment), *shared}):
         owner = owner_of(directory)
         if owner is not None:
             with contextlib.suppress(OSError):

@@ -27,6 +27,7 @@ COMMANDS = (
     "new",
     "schema",
     "export-flight",
+    "watch",
 )
 
 
