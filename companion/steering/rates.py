@@ -57,10 +57,9 @@ from companion.steering.yaw import (
     YawMemory,
     YawRequest,
     compensate_yaw,
-    integrate_heading_error,
     update_derivative,
     yaw_authority,
-    yaw_lead,
+    yaw_loop,
     yaw_rate_derivative,
 )
 from companion.thrust_range import ThrustRange
@@ -135,11 +134,11 @@ class RateSteering:
         flying = self._flying(memory, predicted, aim)
         command = self._ask(flying, aim)
         thrust = self._limit_thrust(memory, command, capability, timing, dt)
-        yaw, yaw_rate = self._compensate_yaw(memory, command, predicted, thrust, capability, timing, dt)
+        yaw_rate = self._compensate_yaw(memory, command, predicted, thrust, capability, timing)
         rates = self._limit_rates(memory.estimate, command, yaw_rate)
         setpoint = self._encode(memory, rates, thrust, timing)
         # every other step is often enough for a derivative
-        yaw = yaw._replace(pending=YawRequest(flying, command, aim) if yaw.pending is None else None)
+        yaw = memory.yaw._replace(pending=YawRequest(flying, command, aim) if memory.yaw.pending is None else None)
         memory = memory._replace(governor=governor, yaw=yaw)
         return self._steered(memory, setpoint, aim, command, rates, thrust, timing)
 
@@ -236,17 +235,15 @@ class RateSteering:
 
     def _compensate_yaw(
         self, memory: RateMemory, command: Command, predicted: PredictedState, thrust: LimitedThrust,
-        capability: Capability, timing: Timing, dt: float,
-    ) -> tuple[YawMemory, float]:  # fmt: skip
-        """Yaw compensation: its memory, and the yaw rate to command (rad/s)."""
-        integral = integrate_heading_error(memory.yaw.integral, command, self.yaw_gain, dt)
-        yaw = memory.yaw._replace(integral=integral)
+        capability: Capability, timing: Timing,
+    ) -> float:  # fmt: skip
+        """Yaw compensation: the yaw rate to command (rad/s)."""
         (p, q, wanted), (wp, wq, wr) = command.turn, predicted.w_b
         most = self.vehicle.mass * capability.specific_thrust
         authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, abs(p - wp) + abs(q - wq))
-        lead = yaw_lead(self.vehicle.rate_loop_lag, timing.lag, timing.smoothing)
+        loop = yaw_loop(self.vehicle.rate_loop_lag, timing.lag, timing.smoothing)
         trim = memory.estimate.rate_loop_state.yaw_trim
-        return yaw, compensate_yaw(yaw, wanted, wr, trim, authority, lead)
+        return compensate_yaw(loop, wanted, memory.yaw.derivative, wr, trim, authority)
 
     def _limit_rates(self, estimate: VehicleEstimate, command: Command, yaw_rate: float) -> LimitedRates:
         """Limits, body rates. The rate loop of a vehicle that is restrained must not wind up."""

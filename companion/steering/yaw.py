@@ -1,7 +1,17 @@
-"""Yaw compensation: from the yaw rate that the law asks for to the one that is commanded.
+"""Yaw compensation: the yaw rate to command, as the inverse of the model of the yaw loop with its authority limit.
 
-PX4's yaw loop is several times slower than its tilting ones, falls short of what it is asked for, and is turned by
-torque that thrust and tilting may need.
+The yaw loop, one lag T with a disturbance at its input (its trim, observed by the rate loop model):
+
+    T r' + r = r_cmd + trim
+
+PX4's is several times slower than its tilting loops. So that the rate follows the law's, r -> r_d, with the error
+dynamics r' = r_d' + k (r_d - r), what is to be commanded is its inverse:
+
+    r_cmd = r + T a - trim        a = r_d' + k (r_d - r),  |a| <= authority / T
+
+``r`` is the predicted rate and ``r_d`` the law's at the horizon, one lag of the tilting loops ahead; T is what the yaw
+loop is slower than that. T a is the rate error that the vehicle's own loop turns into torque: motors have only so much
+of it left beside thrust and tilting, which carry the vehicle.
 """
 
 from __future__ import annotations
@@ -17,20 +27,17 @@ from companion.law.flight import Command, Flying
 from companion.steering.limits import THRUST_MAX
 from companion.steering.steering import Aim
 
-YAW_LEAD = 0.36
-"""s, how much earlier than it is wanted a yaw rate is commanded: the lag of PX4's yaw loop at 1 to 3 rad/s."""
-YAW_LEAD_OVER_LAG = 6.0
-"""A vehicle whose other rate loops are quicker than PX4's usual ones is not led by more than so many of their lags."""
-YAW_RATE_ERROR_GAIN = 1.0
-"""Extra proportional gain on the predicted yaw rate error, for PX4's usual loops: it doubles the gain of a soft yaw
-loop, which would leave a heading that gusts have turned for long. Up to 1 it makes no loop unstable that is stable by
-itself. Where PX4 smooths what it is sent, it comes late and would swing the nose at 4 to 8 rad/s; there it is less."""
-YAW_INTEGRAL_GAIN = 0.07
-"""Of the square of the yaw gain, 1/s^2; a quarter would put both poles of the heading at half the gain. Sweep."""
-YAW_INTEGRAL_MAX = 0.3
-"""rad/s, anti-windup. Engineering choice: a fifth of the largest yaw rate."""
-YAW_INTEGRAL_WITHIN = 0.3
-"""rad of heading error within which it is integrated. Engineering choice."""
+YAW_LAG_USED = 0.36
+"""s, the lag of PX4's yaw loop for what turns at 1 to 3 rad/s (its model has 0.43 s for slow commands)."""
+YAW_LAG_OVER_TILT_LAG = 6.0
+"""A vehicle whose tilting rate loops are quicker than PX4's usual ones has a quicker yaw loop: at most so many of their
+lags. Engineering choice."""
+YAW_ERROR_RATE = 2.0
+"""k T, for PX4's usual loops: the error dynamics are twice as fast as the loop itself, which would leave a heading that
+gusts have turned for long. Up to 2 it makes no loop unstable that is stable by itself. Where PX4 smooths what it is
+sent it comes late and would swing the nose at 4 to 8 rad/s; there it is less, and 1 (the inverse alone) at least."""
+YAW_LAG_MIN = 0.02
+"""s: what is quicker counts as this quick. Engineering choice."""
 YAW_THRUST_PER_RATE = 0.2
 """s/rad: the part of the motors' range that a yaw rate error takes. PX4's default MC_YAWRATE_P."""
 TILT_THRUST_PER_RATE = 0.06
@@ -40,9 +47,9 @@ YAW_AUTHORITY_MIN = 0.05
 """rad/s of yaw rate error that are always left to yaw. Engineering choice."""
 DERIVATIVE_STEP = 0.05
 """s over which the derivative of the yaw rate is taken."""
-DERIVATIVE_TIME = 0.2
-"""s, time constant with which it is smoothed: the lead multiplies it by 0.3 s, and the noise of the estimate with it.
-sih_noisy: the yaw rate commanded shakes by 1.1 instead of 2.2 deg/s, the heading error is the same."""
+DERIVATIVE_TIME = 0.08
+"""s, time constant with which it is smoothed: T multiplies it by 0.3 s, and the noise of the estimate with it. With
+0.2 s the yaw rate commanded shakes half as much on sih_noisy, and a tangent figure-eight is turned 0.2 deg worse."""
 
 
 class YawRequest(NamedTuple):
@@ -54,20 +61,18 @@ class YawRequest(NamedTuple):
 
 
 class YawMemory(NamedTuple):
-    """``integral``: rad/s, of the heading error. ``derivative``: rad/s^2, of the yaw rate that the law asks for, as
-    last taken; ``pending``: where it is to be taken next."""
+    """``derivative``: rad/s^2, of the yaw rate that the law asks for, smoothed; ``pending``: where it is to be taken
+    next."""
 
-    integral: float = 0.0
     derivative: float = 0.0
     pending: YawRequest | None = None
 
 
-def integrate_heading_error(integral: float, command: Command, yaw_gain: float, dt: float) -> float:
-    """rad/s, ``dt`` s later: of the heading error, which a yaw loop that falls short of its peaks would leave."""
-    error = wrap(command.yaw - command.beta)
-    if abs(error) < YAW_INTEGRAL_WITHIN:
-        integral += YAW_INTEGRAL_GAIN * yaw_gain * yaw_gain * error * dt
-    return min(max(integral, -YAW_INTEGRAL_MAX), YAW_INTEGRAL_MAX)
+class YawLoop(NamedTuple):
+    """The model that is inverted. ``lag``: T, s. ``error_rate``: k, 1/s."""
+
+    lag: float
+    error_rate: float
 
 
 def yaw_authority(zeta: float, zeta_dot: float, most: float, tilt_rate_error: float) -> float:
@@ -81,29 +86,26 @@ def yaw_authority(zeta: float, zeta_dot: float, most: float, tilt_rate_error: fl
     return max(YAW_AUTHORITY_MIN, (THRUST_MAX - thrust_used) / YAW_THRUST_PER_RATE)
 
 
+def yaw_loop(rate_loop_lag: float, lag: float, smoothing: float) -> YawLoop:
+    """The loop beyond the horizon. ``rate_loop_lag``: s, of the vehicle file. ``lag``: s, of the tilting rate loops as
+    found, with ``smoothing``: s."""
+    whole = min(YAW_LAG_USED, YAW_LAG_OVER_TILT_LAG * rate_loop_lag)
+    beyond = max(whole - lag, YAW_LAG_MIN)
+    extra = (YAW_ERROR_RATE - 1.0) * whole / YAW_LAG_USED * (1.0 - smoothing / lag) ** 2
+    return YawLoop(beyond, (1.0 + extra) / beyond)
+
+
 def compensate_yaw(
-    yaw: YawMemory, wanted: float, predicted: float, trim: float, authority: float, lead: tuple[float, float]
+    loop: YawLoop, wanted: float, derivative: float, predicted: float, trim: float, authority: float
 ) -> float:
-    """rad/s, the yaw rate to command.
+    """rad/s, the yaw rate to command: the inverse above.
 
-    ``wanted``: rad/s, by the law, at the horizon; ``predicted``: what it will be there. ``trim``: rad/s, disturbance
-    of the loop at its input. ``lead``: s by which the command has to come earlier, and the gain on the rate error.
+    ``wanted``: r_d, rad/s, and ``derivative``: r_d', rad/s^2, by the law. ``predicted``: r, rad/s. ``trim``: rad/s.
+    ``authority``: rad/s of yaw rate error.
     """
-    time, gain = lead
-    r = wanted
-    r += time * yaw.derivative + gain * (wanted - predicted)
-    r -= trim + yaw.integral
-    turning = predicted - trim
-    return min(max(r, turning - authority), turning + authority)
-
-
-def yaw_lead(rate_loop_lag: float, lag: float, smoothing: float) -> tuple[float, float]:
-    """(s by which a yaw rate is commanded earlier than the law asks for it, gain on the rate error).
-
-    ``rate_loop_lag``: s, of the vehicle file. ``lag``: s, of the rate loop as found, with ``smoothing``: s.
-    """
-    lead = min(YAW_LEAD, YAW_LEAD_OVER_LAG * rate_loop_lag)
-    return lead - lag, YAW_RATE_ERROR_GAIN * lead / YAW_LEAD * (1.0 - smoothing / lag) ** 2
+    acceleration = derivative + loop.error_rate * (wanted - predicted)
+    error = min(max(loop.lag * acceleration, -authority), authority)
+    return predicted - trim + error
 
 
 def update_derivative(yaw: YawMemory, derivative: float, dt: float) -> YawMemory:

@@ -26,13 +26,11 @@ from companion.steering.steering import Aim, At
 from companion.steering.timing import Timing
 from companion.steering.yaw import (
     YAW_AUTHORITY_MIN,
-    YAW_INTEGRAL_MAX,
-    YawMemory,
+    YawLoop,
     YawRequest,
     compensate_yaw,
-    integrate_heading_error,
     yaw_authority,
-    yaw_lead,
+    yaw_loop,
     yaw_rate_derivative,
 )
 from companion.thrust_range import ThrustRange
@@ -41,6 +39,7 @@ from companion.vehicle import Limits
 ZERO: Vec3 = (0.0, 0.0, 0.0)
 LIMITS = Limits(tilt=0.8, body_rates=(3.0, 5.0, 1.0), speed=12.0)
 RANGE = ThrustRange(2.0, 18.0, 30.0)
+LOOP = YawLoop(lag=0.3, error_rate=6.0)
 CONVERSION = ThrustConversion(mass=1.0, scale=1.0, per_specific=0.05)
 
 
@@ -147,21 +146,38 @@ class TestTiming:
 
 class TestYaw:
     def test_nothing_asked_nothing_commanded(self) -> None:
-        assert compensate_yaw(YawMemory(), 0.0, 0.0, 0.0, 9.0, (0.3, 1.0)) == 0.0
+        assert compensate_yaw(LOOP, 0.0, 0.0, 0.0, 0.0, 9.0) == 0.0
 
     def test_a_rate_that_is_already_there_is_commanded_as_it_is(self) -> None:
-        assert compensate_yaw(YawMemory(), 0.7, 0.7, 0.0, 9.0, (0.3, 1.0)) == 0.7
+        assert compensate_yaw(LOOP, 0.7, 0.0, 0.7, 0.0, 9.0) == 0.7
 
     def test_signs(self) -> None:
-        lead = (0.3, 1.0)
-        assert compensate_yaw(YawMemory(derivative=1.0), 0.0, 0.0, 0.0, 9.0, lead) > 0.0
-        assert compensate_yaw(YawMemory(), 0.0, 0.0, 0.2, 9.0, lead) < 0.0  # it turns by itself
-        assert compensate_yaw(YawMemory(), 0.5, 0.2, 0.0, 9.0, lead) > 0.5  # short of what is wanted
-        assert compensate_yaw(YawMemory(integral=0.1), 0.0, 0.0, 0.0, 9.0, lead) < 0.0
+        assert compensate_yaw(LOOP, 0.0, 1.0, 0.0, 0.0, 9.0) > 0.0
+        assert compensate_yaw(LOOP, 0.0, 0.0, 0.0, 0.2, 9.0) == -0.2  # it turns by itself
+        assert compensate_yaw(LOOP, 0.5, 0.0, 0.2, 0.0, 9.0) > 0.5  # short of what is wanted
+
+    def test_it_is_the_inverse_of_the_loop(self) -> None:
+        """The model, turned by what is commanded, follows a rate that rises and falls, whatever turns it besides."""
+        r, trim, h = 0.0, 0.3, 0.001
+        worst = 0.0
+        for k in range(6000):
+            t = k * h
+            wanted, derivative = math.sin(1.7 * t), 1.7 * math.cos(1.7 * t)
+            commanded = compensate_yaw(LOOP, wanted, derivative, r, trim, 9.0)
+            r += h * (commanded + trim - r) / LOOP.lag
+            if t > 2.0:
+                worst = max(worst, abs(r - wanted))
+        assert worst < 0.005
+
+    def test_an_error_goes_as_fast_as_it_is_told(self) -> None:
+        r, h = 0.0, 0.0005
+        for _ in range(round(1.0 / LOOP.error_rate / h)):
+            r += h * (compensate_yaw(LOOP, 1.0, 0.0, r, 0.0, 9.0) - r) / LOOP.lag
+        assert 1.0 - r == pytest.approx(math.exp(-1.0), rel=0.01)
 
     def test_it_stays_within_its_authority_of_what_the_vehicle_does(self) -> None:
         for wanted in (-5.0, 5.0):
-            r = compensate_yaw(YawMemory(), wanted, 0.4, 0.1, 0.5, (0.3, 1.0))
+            r = compensate_yaw(LOOP, wanted, 0.0, 0.4, 0.1, 0.5)
             assert r == pytest.approx(0.3 + math.copysign(0.5, wanted))
 
     def test_thrust_and_tilting_come_first(self) -> None:
@@ -171,18 +187,11 @@ class TestYaw:
         assert yaw_authority(5.0, 0.0, 20.0, 2.0) < easy
         assert yaw_authority(20.0, 0.0, 20.0, 9.0) == YAW_AUTHORITY_MIN
 
-    def test_a_heading_error_adds_up_to_a_bound(self) -> None:
-        assert integrate_heading_error(0.0, command(yaw=1.0, beta=1.0), 2.0, 0.01) == 0.0
-        assert integrate_heading_error(0.0, command(yaw=0.1), 2.0, 0.01) > 0.0
-        assert integrate_heading_error(0.0, command(yaw=-0.1 + 2.0 * math.pi), 2.0, 0.01) < 0.0
-        assert integrate_heading_error(0.0, command(yaw=1.0), 2.0, 0.01) == 0.0  # far away: no windup
-        assert integrate_heading_error(YAW_INTEGRAL_MAX, command(yaw=0.1), 2.0, 0.01) == YAW_INTEGRAL_MAX
-
     def test_a_quick_vehicle_is_led_less(self) -> None:
-        slow, quick = yaw_lead(0.06, 0.06, 0.0), yaw_lead(0.02, 0.02, 0.0)
-        assert quick[0] < slow[0]
-        assert quick[1] < slow[1]
-        assert yaw_lead(0.06, 0.2, 0.14)[1] < slow[1]  # smoothed
+        slow, quick = yaw_loop(0.06, 0.06, 0.0), yaw_loop(0.02, 0.02, 0.0)
+        assert quick.lag < slow.lag
+        assert 1.0 < quick.lag * quick.error_rate < slow.lag * slow.error_rate <= 2.0
+        assert yaw_loop(0.06, 0.2, 0.14).error_rate * yaw_loop(0.06, 0.2, 0.14).lag < 2.0  # smoothed
 
     def test_the_derivative_is_the_laws(self) -> None:
         """A law whose yaw rate grows with the position north, flown north at 2 m/s: 0.3 * 2 rad/s^2."""
