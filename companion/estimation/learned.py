@@ -24,34 +24,56 @@ FLIGHT_TIME_MIN = 15.0
 
 
 class Learned(NamedTuple):
-    """``hover_thrust``: normalised, as it truly was. ``drag`` 1/s. ``rate_lag`` s. ``age_days``: since that flight."""
+    """What a flight found out, and how well it knew.
+
+    ``hover_thrust``: normalised, as it truly was. ``drag``: 1/s. ``rate_lag``: s. ``age_days``: since that flight.
+    ``hover_thrust_std``, ``drag_std``: standard deviations at its end, by the filter; 0 where it was not kept.
+    """
 
     hover_thrust: float
     drag: float
     rate_lag: float
     age_days: float = 0.0
+    hover_thrust_std: float = 0.0
+    drag_std: float = 0.0
 
 
 def sane(learned: Learned) -> bool:
     """Whether these can be a vehicle's figures at all."""
-    hover, drag, lag, age = learned
+    hover, drag, lag, age, hover_std, drag_std = learned
     return (
         all(map(math.isfinite, learned))
         and HOVER_RANGE[0] <= hover <= HOVER_RANGE[1]
         and DRAG_RANGE[0] <= drag <= DRAG_RANGE[1]
         and LAG_RANGE[0] <= lag <= LAG_RANGE[1]
         and age >= 0.0
+        and 0.0 <= hover_std <= hover
+        and 0.0 <= drag_std <= DRAG_RANGE[1]
     )
 
 
 def prior_of(learned: Learned | None, hover_thrust: float, drag: float) -> Prior:
     """What is believed before a flight. ``hover_thrust``, ``drag``: as told by the vehicle and its file; what was
-    learned replaces them as far as it is fresh."""
+    learned replaces them as far as it is fresh and was known.
+
+    Just after a flight the deviation is the filter's own and FRESH_*_STD (another battery, load or propeller) in
+    quadrature. No further from the file than the evidence says: with less of it than the file has (a deviation as
+    large as that of a vehicle never flown) the value is half way, with none it is the file's.
+    """
     if learned is None or not sane(learned):
         return Prior(drag=(drag, DRAG_STD))
     old = min(1.0, learned.age_days / AGEING)
-    thrust_scale = hover_thrust / learned.hover_thrust
+    relative = learned.hover_thrust_std / learned.hover_thrust
+    scale = _towards(1.0, hover_thrust / learned.hover_thrust, relative, THRUST_SCALE_STD)
+    found = _towards(drag, learned.drag, learned.drag_std, DRAG_STD)
+    scale_std = min(math.hypot(FRESH_THRUST_SCALE_STD, relative), THRUST_SCALE_STD)
+    drag_std = min(math.hypot(FRESH_DRAG_STD, learned.drag_std), DRAG_STD)
     return Prior(
-        thrust_scale=(thrust_scale, FRESH_THRUST_SCALE_STD + (THRUST_SCALE_STD - FRESH_THRUST_SCALE_STD) * old),
-        drag=(learned.drag + (drag - learned.drag) * old, FRESH_DRAG_STD + (DRAG_STD - FRESH_DRAG_STD) * old),
+        thrust_scale=(scale, scale_std + (THRUST_SCALE_STD - scale_std) * old),
+        drag=(found + (drag - found) * old, drag_std + (DRAG_STD - drag_std) * old),
     )
+
+
+def _towards(stated: float, found: float, deviation: float, stated_deviation: float) -> float:
+    """``found`` weighed against what is ``stated``, by their variances."""
+    return stated + (found - stated) * stated_deviation**2 / (stated_deviation**2 + deviation**2)

@@ -41,8 +41,15 @@ def recalled(file: Path | None) -> Learned | None:
     try:
         told = json.loads(read_owned(file) or "")
         age = max(0.0, (time.time() - float(told["flown_at"])) / DAY)
-        learned = Learned(float(told["hover_thrust"]), float(told["drag_per_s"]), float(told["rate_loop_lag_s"]), age)
-    except (OSError, ValueError, KeyError, TypeError):
+        learned = Learned(
+            hover_thrust=float(told["hover_thrust"]),
+            drag=float(told["drag_per_s"]),
+            rate_lag=float(told["rate_loop_lag_s"]),
+            age_days=age,
+            hover_thrust_std=float(told.get("hover_thrust_std", 0.0)),
+            drag_std=float(told.get("drag_std_per_s", 0.0)),
+        )
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
     return learned if sane(learned) else None
 
@@ -52,7 +59,9 @@ def remembered(file: Path, learned: Learned) -> bool:
     told = {
         "schema": SCHEMA,
         "hover_thrust": round(learned.hover_thrust, 4),
+        "hover_thrust_std": round(learned.hover_thrust_std, 5),
         "drag_per_s": round(learned.drag, 4),
+        "drag_std_per_s": round(learned.drag_std, 5),
         "rate_loop_lag_s": round(learned.rate_lag, 4),
         "flown_at": round(time.time(), 1),
     }

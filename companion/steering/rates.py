@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion.estimation.estimator import Prior
+from companion.estimation.kalman import DRAG, THRUST_SCALE
 from companion.estimation.learned import FLIGHT_TIME_MIN, Learned
 from companion.estimation.link_delay import update_delay
 from companion.estimation.predictor import PredictedState
@@ -171,7 +172,10 @@ class RateSteering:
         if estimator.flight_time < FLIGHT_TIME_MIN or not estimator.converged:
             return None
         lag = memory.estimate.identification.lag - self.encoding.smoothing
-        return Learned(self.hover_thrust / estimator.belief.thrust_scale, estimator.belief.drag, lag)
+        belief = estimator.belief
+        hover = self.hover_thrust / belief.thrust_scale
+        scale_std = math.sqrt(belief.variance(THRUST_SCALE)) / belief.thrust_scale
+        return Learned(hover, belief.drag, lag, 0.0, hover * scale_std, math.sqrt(belief.variance(DRAG)))
 
     def _begun(self, estimate: VehicleEstimate) -> RateMemory:
         state, hovering = estimate.state, estimate.rate_loop_state.specific_thrust

@@ -24,6 +24,22 @@ def test_fresh_figures_replace_what_was_told() -> None:
     assert prior.drag[1] < DRAG_STD
 
 
+def test_what_was_hardly_known_is_believed_less_and_stays_near_the_file() -> None:
+    sure, unsure = (prior_of(FOUND._replace(drag_std=std, hover_thrust_std=0.5 * std), 0.6, 0.1) for std in (0.02, 0.4))
+    assert sure.drag[1] < unsure.drag[1] <= DRAG_STD
+    assert 0.1 < unsure.drag[0] < sure.drag[0] <= 0.8
+    assert sure.thrust_scale[1] < unsure.thrust_scale[1] <= THRUST_SCALE_STD
+    assert 1.0 < unsure.thrust_scale[0] < sure.thrust_scale[0] <= 1.2
+
+
+def test_a_file_of_before_deviations_were_kept_is_still_read(tmp_path: Path) -> None:
+    file = tmp_path / "quad.json"
+    file.write_text('{"hover_thrust": 0.5, "drag_per_s": 0.8, "rate_loop_lag_s": 0.065, "flown_at": 1.0}')
+    old = recalled(file)
+    assert old is not None
+    assert (old.hover_thrust_std, old.drag_std) == (0.0, 0.0)
+
+
 def test_old_figures_are_doubted_as_if_never_flown() -> None:
     prior = prior_of(FOUND._replace(age_days=2.0 * AGEING), 0.6, 0.1)
     assert prior.thrust_scale[1] == pytest.approx(THRUST_SCALE_STD)
@@ -43,10 +59,12 @@ def test_kept_and_recalled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     file = state_file("my quad/../x")
     assert file.parent == tmp_path / "companion"
     assert recalled(file) is None
-    assert remembered(file, FOUND)
+    found = FOUND._replace(hover_thrust_std=0.004, drag_std=0.03)
+    assert remembered(file, found)
     again = recalled(file)
     assert again is not None
-    assert again[:3] == FOUND[:3]
+    assert again[:3] == found[:3]
+    assert again[4:] == found[4:]
     assert again.age_days < 0.1
 
 
@@ -68,3 +86,5 @@ def test_a_flight_finds_out_what_its_vehicle_is() -> None:
     assert learned is not None
     assert learned.hover_thrust == pytest.approx(0.5737, rel=0.02)
     assert learned.drag == pytest.approx(0.2, abs=0.02)
+    assert 0.0 < learned.hover_thrust_std < 0.02
+    assert 0.0 < learned.drag_std < 0.1
