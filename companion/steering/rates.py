@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion.estimation.estimator import Prior
-from companion.estimation.kalman import DRAG, THRUST_SCALE
+from companion.estimation.kalman_step import DRAG, THRUST_SCALE
 from companion.estimation.learned import FLIGHT_TIME_MIN, Learned
 from companion.estimation.link_delay import update_delay
 from companion.estimation.predictor import PredictedState

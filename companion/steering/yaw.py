@@ -47,7 +47,7 @@ YAW_AUTHORITY_MIN = 0.05
 """rad/s of yaw rate error that are always left to yaw. Engineering choice."""
 DERIVATIVE_STEP = 0.05
 """s over which the derivative of the yaw rate is taken."""
-DERIVATIVE_TIME = 0.08
+DERIVATIVE_TIME = 0.03
 """s, time constant with which it is smoothed: T multiplies it by 0.3 s, and the noise of the estimate with it. With
 0.2 s the yaw rate commanded shakes half as much on sih_noisy, and a tangent figure-eight is turned 0.2 deg worse."""
 
