@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from companion import __version__
 from companion.cli import file_commands, look_commands, record_commands, vehicle_commands
 from companion.cli.options import (
+    AcceptInfeasible,
+    Bench,
+    Ceiling,
     Connect,
+    Draw,
+    DryRun,
     Duration,
+    Finishes,
+    Floor,
     HomePlace,
     Json,
     MissionName,
@@ -20,18 +27,24 @@ from companion.cli.options import (
     Quiet,
     Record,
     Report,
+    SetParameters,
     Settle,
     SigningKey,
     SimulatedDuration,
+    Starts,
+    Tube,
     VehicleName,
     Verbose,
     WorldName,
     complete_world,
 )
-from companion.cli.output import Ends, Output, WhoStarts
+from companion.cli.output import Output
 from companion.cli.terminal import be_normal, detail, open_standard_streams, warn
 from companion.geodesy import NOTHING_TOLD
 from companion.vehicle import CompanionError
+
+if TYPE_CHECKING:
+    from companion.feasibility.report import Report as FeasibilityReport
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -137,61 +150,40 @@ def sim(
     raise typer.Exit((over_udp if udp else in_lockstep)(simulation))
 
 
+def _refuse_infeasible(found: FeasibilityReport, accept: bool, json: bool) -> None:
+    """End with a refusal where the vehicle cannot fly it; warn where it is flown all the same."""
+    from companion.cli.finish import refuse
+    from companion.feasibility.words import headline
+
+    if not found.feasible:
+        if not accept and not found.may_be_flown:
+            # who knows that the ground falls away may say so; it is not held out to who does not
+            offer = " (--accept-infeasible flies it all the same)" if found.only_capability_lacks else ""
+            raise typer.Exit(refuse(headline(found) + offer, json))
+        warn(f"warning: {headline(found)}")
+
+
 @app.command()
 def fly(
     mission: MissionName,
     connect: Connect,
     vehicle: VehicleName = None,
     output: OutputName = Output.AUTO,
-    set_parameters: Annotated[
-        bool,
-        typer.Option("--set-parameters", help="Set COM_OF_LOSS_T as --output needs it, and set it back afterwards."),
-    ] = False,
-    start: Annotated[
-        WhoStarts | None,
-        typer.Option(
-            "--start",
-            help="Who arms and selects OFFBOARD.",
-            show_default="pilot on a serial line, else companion",
-        ),
-    ] = None,
-    finish: Annotated[
-        Ends | None,
-        typer.Option(
-            "--finish",
-            help="What the vehicle does after the path.",
-            show_default="land if it began on the ground, else hold",
-        ),
-    ] = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Do everything except arming and sending setpoints.")
-    ] = False,
-    bench: Annotated[
-        bool, typer.Option("--bench", help="Propellers off: tilt the vehicle by hand and see the commands point back.")
-    ] = False,
-    tube: Annotated[
-        float, typer.Option(metavar="M", min=0.5, help="Metres from the path at which the vehicle is handed back.")
-    ] = 5.0,
-    floor: Annotated[
-        float | None,
-        typer.Option(metavar="M", help="Least height above home, in metres.", show_default="1, or less for a low path"),
-    ] = None,
-    ceiling: Annotated[
-        float | None, typer.Option(metavar="M", help="Greatest height above home, in metres.", show_default="none")
-    ] = None,
+    set_parameters: SetParameters = False,
+    start: Starts = None,
+    finish: Finishes = None,
+    dry_run: DryRun = False,
+    bench: Bench = False,
+    tube: Tube = 5.0,
+    floor: Floor = None,
+    ceiling: Ceiling = None,
     home: HomePlace = None,
-    draw: Annotated[
-        bool,
-        typer.Option("--draw", help="Upload the path as mission items: the ground station shows it on its map."),
-    ] = False,
+    draw: Draw = False,
     duration: Duration = None,
     settle: Settle = 10.0,
     record: Record = None,
     report: Report = True,
-    accept_infeasible: Annotated[
-        bool,
-        typer.Option("--accept-infeasible", help="Fly even where check says that the vehicle is too weak or too slow."),
-    ] = False,
+    accept_infeasible: AcceptInfeasible = False,
     signing_key: SigningKey = None,
     json: Json = False,
     quiet: Quiet = False,
@@ -199,12 +191,11 @@ def fly(
 ) -> None:
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
     from companion.cli.check import looked_at
-    from companion.cli.finish import Ending, refuse
+    from companion.cli.finish import Ending
     from companion.cli.flying import Flight, authority_of, most_speed_scale
     from companion.cli.flying import fly as fly_now
     from companion.config.signing_key import read_key
     from companion.daemon.address import parsed
-    from companion.feasibility.words import headline
     from companion.flight.conduct import Conduct, Finish, Limits
     from companion.library.orders import Faults, check_record, home_told, read_sortie
     from companion.record.folder import new_directory
@@ -218,12 +209,7 @@ def fly(
     faults.raise_any()
     assert sortie is not None and open_port is not None
     sortie, found = looked_at(sortie)
-    if not found.feasible:
-        if not accept_infeasible and not found.may_be_flown:
-            # who knows that the ground falls away may say so; it is not held out to who does not
-            offer = " (--accept-infeasible flies it all the same)" if found.only_capability_lacks else ""
-            raise typer.Exit(refuse(headline(found) + offer, json))
-        warn(f"warning: {headline(found)}")
+    _refuse_infeasible(found, accept_infeasible, json)
     if dry_run and bench:
         raise CompanionError("--dry-run and --bench exclude each other; expected one of them")
     conduct = Conduct(

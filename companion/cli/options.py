@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from companion.cli.output import Output
+from companion.cli.output import Ends, Output, WhoStarts
 from companion.cli.terminal import be_quiet, be_verbose
 
 
@@ -122,4 +122,46 @@ Quiet = Annotated[
 Verbose = Annotated[
     bool,
     typer.Option("--verbose", "-v", callback=be_verbose, help="Say more: the files used, progress each second."),
+]
+SetParameters = Annotated[
+    bool,
+    typer.Option("--set-parameters", help="Set COM_OF_LOSS_T as --output needs it, and set it back afterwards."),
+]
+Starts = Annotated[
+    WhoStarts | None,
+    typer.Option(
+        "--start",
+        help="Who arms and selects OFFBOARD.",
+        show_default="pilot on a serial line, else companion",
+    ),
+]
+Finishes = Annotated[
+    Ends | None,
+    typer.Option(
+        "--finish",
+        help="What the vehicle does after the path.",
+        show_default="land if it began on the ground, else hold",
+    ),
+]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Do everything except arming and sending setpoints.")]
+Bench = Annotated[
+    bool, typer.Option("--bench", help="Propellers off: tilt the vehicle by hand and see the commands point back.")
+]
+Tube = Annotated[
+    float, typer.Option(metavar="M", min=0.5, help="Metres from the path at which the vehicle is handed back.")
+]
+Floor = Annotated[
+    float | None,
+    typer.Option(metavar="M", help="Least height above home, in metres.", show_default="1, or less for a low path"),
+]
+Ceiling = Annotated[
+    float | None, typer.Option(metavar="M", help="Greatest height above home, in metres.", show_default="none")
+]
+Draw = Annotated[
+    bool,
+    typer.Option("--draw", help="Upload the path as mission items: the ground station shows it on its map."),
+]
+AcceptInfeasible = Annotated[
+    bool,
+    typer.Option("--accept-infeasible", help="Fly even where check says that the vehicle is too weak or too slow."),
 ]

@@ -37,6 +37,7 @@ from companion.mavlink_common import (
     MAV_CMD_NAV_WAYPOINT,
 )
 from companion.plans import items as c
+from companion.plans.item_place import place_of
 from companion.plans.items import Item, Key, Place, Plan, PlanError, Problem
 from companion.plans.payload import PAYLOAD, PayloadCommand
 from companion.plans.waypoints import Route, Waypoint, items_in_words
@@ -250,28 +251,11 @@ class _Walk:
         return self._yaw
 
     def _place(self, item: Item) -> Place | None:
-        latitude, longitude, altitude = item.params[4:7]
-        if 180.0 < abs(longitude) <= 360.0:
-            longitude = math.remainder(longitude, 360.0)  # across the 180th meridian
-        if item.frame in c.TERRAIN_FRAMES:
-            self._problem(
-                item, "its altitude is over the terrain, which is not known here; expected one above home or sea"
-            )
-        elif item.frame not in c.AMSL_FRAMES and item.frame not in c.RELATIVE_FRAMES:
-            self._problem(item, f"its place is in frame {item.frame}; expected latitude and longitude (0, 3, 5 or 6)")
-        elif not (
-            math.isfinite(latitude) and math.isfinite(longitude) and abs(latitude) <= 89.0 and abs(longitude) <= 180.0
-        ):
-            self._problem(item, f"no place on the earth: latitude {latitude:g}, longitude {longitude:g}")
-        elif latitude == longitude == 0.0:
-            self._problem(item, "latitude 0, longitude 0, which stands for no place at all; expected where to fly")
-        elif not math.isfinite(altitude):
-            self._problem(item, "no altitude; where it was to be over the terrain, the ground station had no data")
-        elif not -500.0 <= altitude <= 10_000.0:
-            self._problem(item, f"an altitude of {altitude:g} m; expected -500 to 10000")
-        else:
-            return Place(latitude, longitude, altitude, item.frame in c.AMSL_FRAMES)
-        return None
+        found = place_of(item)
+        if isinstance(found, str):
+            self._problem(item, found)
+            return None
+        return found
 
     def _problem(self, item: Item, message: str) -> None:
         self._problems.append(Problem(item.key, f"item {item.number}: {message}"))
