@@ -6,9 +6,11 @@ reaches the motors, and MPC_THR_HOVER counts in the same units, so nothing is to
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from companion.frames import Matrix3, Vec3, upright_error
+from companion.law.errors import LawError
 from companion.thrust_range import ThrustRange
 from companion.vehicle import Limits
 
@@ -48,7 +50,9 @@ class LimitedThrust(NamedTuple):
 
 def limit_rates(turn: Vec3, gain: float, limits: Limits | None) -> LimitedRates:
     """``turn`` (rad/s) within the vehicle's limits. ``gain``: of its roll and pitch rate loops, by which less is sent
-    than is meant."""
+    than is meant. LawError: a rate that is no number, which no clamp would catch."""
+    if not math.isfinite(sum(turn)):
+        raise LawError(f"the body rates are not finite: {turn}")
     p, q, r = turn[0] / gain, turn[1] / gain, turn[2]
     if limits is None:
         return LimitedRates((p, q, r), (p * gain, q * gain, r), False)
@@ -78,11 +82,13 @@ def limit_thrust(
     ``zeta_derivative``: N/s, by the law. ``most``: N, what the vehicle has. ``sooner``: s, from the horizon of zeta to
     the time at which the thrust of this command acts. Anti-windup: on a bound zeta_dot is zero. Of a vehicle that is
     restrained zeta settles at what the path asks of a vehicle at rest with this tilt, so that it is not flung away
-    when it is released.
+    when it is released. LawError: a thrust that is no number; PX4 from 1.18 on stops the motors at it.
     """
     later, zeta_dot, bound = range_.integrated(zeta, zeta_derivative, dt, min(range_.high, most))
     newtons_per_specific = conversion.mass * conversion.scale
     wanted = (zeta + zeta_dot * sooner) / newtons_per_specific * conversion.per_specific
+    if not math.isfinite(wanted + later):
+        raise LawError(f"the thrust is not finite: {wanted}")
     sent = clamp_thrust(wanted)
     specific = sent / conversion.per_specific
     return LimitedThrust(later, zeta_dot, sent, specific, specific * newtons_per_specific, bound or sent != wanted)

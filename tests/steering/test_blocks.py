@@ -11,6 +11,7 @@ from companion.estimation.link_delay import DELAY_MAX, DELAY_SLEW, PX4_STEP, upd
 from companion.estimation.rate_loop_model import TimedCommand, recent_commands
 from companion.estimation.translation import acceleration
 from companion.frames import Heading, Vec3, rotation_matrix
+from companion.law.errors import LawError
 from companion.law.flight import Command, Flying
 from companion.steering.limits import (
     LEVEL_RATE_MAX,
@@ -116,6 +117,20 @@ class TestLimitThrust:
             for scale in (0.1, 1.0, 10.0):
                 sent = limit_thrust(RANGE, zeta, 0.0, 0.01, 20.0, 0.0, CONVERSION._replace(scale=scale)).sent
                 assert THRUST_MIN <= sent <= THRUST_MAX
+
+
+class TestNotANumber:
+    """A clamp lets it through: min(max(nan, low), high) is nan, and a NaN thrust stops the motors of PX4 1.18."""
+
+    @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+    def test_it_is_never_sent(self, value: float) -> None:
+        for turn in ((value, 0.0, 0.0), (0.0, value, 0.0), (0.0, 0.0, value)):
+            with pytest.raises(LawError):
+                limit_rates(turn, 1.0, LIMITS)
+        with pytest.raises(LawError):
+            limit_thrust(RANGE, value, 0.0, 0.01, 20.0, 0.0, CONVERSION)
+        with pytest.raises(LawError):
+            limit_thrust(RANGE, 10.0, 0.0, 0.01, 20.0, 0.0, CONVERSION._replace(scale=math.nan))
 
 
 class TestLevelling:
