@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from companion.flight.conditions import missing_estimate
 from companion.flight.conduct import ControlAuthority, Finish, Limits
-from companion.flight.safety import missing_estimate
 from companion.vehicle import KnownStatus, Landed
 
 LINK_DELAY_MAX = 0.1

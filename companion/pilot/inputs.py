@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from companion.flight import preflight, safety
+from companion.flight import conditions, preflight, safety
 from companion.flight.bench import fault as bench_fault
 from companion.flight.conduct import ControlAuthority
 from companion.flight.phases import FLOWN, PHASES, Phase
@@ -13,28 +13,34 @@ from companion.frames import tilt
 from companion.pilot.memory import Memory, Observation
 from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining, rests
 from companion.plan import Plan
-from companion.vehicle import KnownStatus, RateSetpoint
+from companion.vehicle import KnownStatus, Mode, RateSetpoint
 
 REHEARSED_FOR = 5.0
 """s of rehearsal where no duration is given."""
 RESTS_FOR = 4.0
 """s of holding the place after which the thrust is known well enough, whatever its variance (engineering choice)."""
+LIFT_WATCHED = (Phase.JOIN, Phase.FOLLOW, Phase.REST)
+"""The phases in which the thrust that comes is held against what is commanded."""
+FOLLOWS_FOR = 0.8
+"""s after it said OFFBOARD that a vehicle is taken to follow what is commanded: PX4 says its mode every 0.5 s."""
+LIFT_AFTER, LIFT_AFTER_AT_ONCE = 0.3, 4.0
+"""s that the thrust was followed before it is judged: after settling, and where nothing was (engineering choice)."""
 STILL = 0.15
 """m/s and rad/s below which the vehicle stands."""
 
 
 def safety_inputs(
     plan: Plan, memory: Memory, seen: Observation, status: KnownStatus, now: float
-) -> safety.SafetyInputs:
+) -> conditions.SafetyInputs:
     """What the safety rows look at at ``now``, s by our clock."""
     state, progress, limits, watch = memory.state, memory.progress, plan.conduct.limits, memory.watch
     if state is None:
-        return safety.SafetyInputs(status, rate=seen.rate, companions=seen.companions)
+        return conditions.SafetyInputs(status, rate=seen.rate, companions=seen.companions)
     x, y, z = state.p_n
     fence, home = plan.mission.fence_n, limits.home
     steered = memory.steered if memory.phase in FLOWN else None
     asked = None if steered is None else steered.setpoint
-    return safety.SafetyInputs(
+    return conditions.SafetyInputs(
         status=status,
         following=memory.phase is Phase.FOLLOW and memory.reached,
         path_error=0.0 if progress is None else progress.path_error,
@@ -61,9 +67,19 @@ def safety_inputs(
         clock_jump=watch.clock_jump,
         behind=seen.behind,
         rate=seen.rate,
-        gaps=sum(now - ended < safety.GAPS_WITHIN for ended in watch.gaps),
+        gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
         companions=seen.companions,
+        lift_asked=watch.lift.asked if _lift_counts(plan, memory, status) else 0.0,
+        lift_made=watch.lift.made,
     )
+
+
+def _lift_counts(plan: Plan, memory: Memory, status: KnownStatus) -> bool:
+    """Whether the thrust that comes can be held against what is commanded: the vehicle follows commands, as far as it
+    has just said; and it did for long enough that the scale of its thrust is known."""
+    known = memory.watch.lift.known > (LIFT_AFTER_AT_ONCE if plan.conduct.at_once else LIFT_AFTER)
+    follows = status.mode is Mode.OFFBOARD and status.mode_age < FOLLOWS_FOR
+    return known and follows and memory.phase in LIFT_WATCHED
 
 
 def situation(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from companion.flight import safety
+from companion.flight import conditions
 from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import Phase, Request
 from companion.frames import Vec3, conjugate, multiply
@@ -69,11 +69,11 @@ def take_in(memory: Memory, seen: Observation, now: float, *, clock_may_stand: b
     (x, y, z), (u, v, w), (a, b, c) = old.p_n, old.v_n, new.p_n
     off = max(abs(a - x - u * passed), abs(b - y - v * passed), abs(c - z - w * passed))
     ahead = passed - (now - watch.arrived_at)
-    if (flagged or (off > JUMP_MIN and ahead < safety.CLOCK_JUMP)) and not begins_anew:
+    if (flagged or (off > JUMP_MIN and ahead < conditions.CLOCK_JUMP)) and not begins_anew:
         jump = math.hypot(a - x - u * passed, b - y - v * passed, c - z - w * passed)
     gaps = watch.gaps
-    if now - watch.arrived_at > safety.GAP:
-        gaps = (*(ended for ended in gaps if now - ended < safety.GAPS_WITHIN), now)
+    if now - watch.arrived_at > conditions.GAP:
+        gaps = (*(ended for ended in gaps if now - ended < conditions.GAPS_WITHIN), now)
     same_place, same_attitude = watch.same_place, watch.same_attitude
     if passed > 0.0:
         same_place = new.p_n == old.p_n and (same_place or math.hypot(*new.v_n) > MOVES)

@@ -15,6 +15,7 @@ from companion.flight.situation import Answer
 from companion.frames import Vec3
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
+from companion.pilot.lift import NO_LIFT, Lift
 from companion.steering.steering import At, Steered, SteeringMemory
 from companion.vehicle import Mode, Setpoint, VehicleState, VehicleStatus
 
@@ -70,7 +71,7 @@ class StateWatch(NamedTuple):
     older. ``unusable``: why what came last is no state. ``same_place``, ``same_attitude``: the last one repeated those
     of the one before, and yet moves, or turns. ``checked``: the last one that was compared; ``sums``: with the ones
     before. ``place_stands``, ``attitude_stands``: too little of it for what velocity and rates say. ``velocity_off``
-    m/s, ``rates_off`` rad/s: how far they disagree.
+    m/s, ``rates_off`` rad/s: how far they disagree. ``lift``: the thrust that comes of what is commanded.
     """
 
     arrived_at: float = 0.0
@@ -89,6 +90,7 @@ class StateWatch(NamedTuple):
     attitude_stands: bool = False
     velocity_off: float = 0.0
     rates_off: float = 0.0
+    lift: Lift = NO_LIFT
 
 
 class Missing(NamedTuple):

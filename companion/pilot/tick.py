@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.flight import safety
+from companion.flight import conditions, safety
 from companion.flight.asking import asked, begun
 from companion.flight.bench import lacking, looked
 from companion.flight.conduct import ControlAuthority
@@ -22,7 +22,8 @@ from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
 from companion.pilot.inputs import missing_now, safety_inputs, situation
 from companion.pilot.intake import compared, take_in
-from companion.pilot.memory import OWN_MODE, First, Memory, Missing, Observation, Outcome, Progress
+from companion.pilot.lift import followed
+from companion.pilot.memory import OWN_MODE, First, Memory, Missing, Observation, Outcome, Progress, StateWatch
 from companion.pilot.payload import due
 from companion.pilot.targets import (
     JOIN_WITHIN,
@@ -96,7 +97,7 @@ def _calm(memory: Memory, seen: Observation) -> bool:
         and memory.answer is None
         and memory.since is safety.NOTHING_SINCE
         and memory.watch.jump == 0.0
-        and abs(memory.watch.clock_jump) <= safety.CLOCK_JUMP
+        and abs(memory.watch.clock_jump) <= conditions.CLOCK_JUMP
         and not seen.companions
     )
 
@@ -117,7 +118,7 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
     fresh = seen.state is not None and seen.state is memory.state
     if fresh and seen.state is not None:
         memory = trimmed(plan, _progressed(plan, memory, seen.state))
-        memory = memory._replace(watch=compared(memory.watch, seen.state))
+        memory = memory._replace(watch=_compared(plan, memory, seen.state, seen.link_delay or 0.0))
     status = seen.status.known(now)
     since, verdict = safety.watched(
         memory.since, safety_inputs(plan, memory, seen, status, now), plan.conduct.limits, now
@@ -141,6 +142,15 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
         memory = memory._replace(done=memory.done._replace(flew=True))
     notes, ramp = tuple(moment.notes), command.ramp
     return memory, Outcome(command.setpoint, request, notes, command.steered, ramp, sent, actions)
+
+
+def _compared(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> StateWatch:
+    """What the state says against the one before, and against what was commanded."""
+    old, steered, vehicle = memory.watch.checked, memory.steered, plan.vehicle
+    watch = compared(memory.watch, state)
+    if old is None or steered is None:
+        return watch
+    return watch._replace(lift=followed(watch.lift, old, state, steered, vehicle.mass, vehicle.gravity, delay))
 
 
 class Moment(NamedTuple):

@@ -81,15 +81,14 @@ class MotorSteering:
         command = self.law(flying, aim.speed_scale) if isinstance(aim, Along) else self.hold(flying, *aim)
         later, later_dot, bound = self.range.twice_integrated(zeta, zeta_dot, command.zeta_derivative, dt)
         allocated = self.allocation.allocate((middle, *command.turn))
+        sent = self.allocation.wrench(allocated.commands)
         return Steered(
             setpoint=MotorSetpoint(allocated.commands),
-            memory=Extension(
-                later, self.allocation.wrench(allocated.commands), acting, later_dot, command.zeta_derivative
-            ),
+            memory=Extension(later, sent, acting, later_dot, command.zeta_derivative),
             command=command,
             zeta=later,
             zeta_dot=later_dot,
-            thrust_n=middle,
+            thrust_n=sent[0] if allocated.saturated else middle,
             saturated=bound or allocated.saturated,
             thrust_share=middle / self.allocation.thrust_max,
         )

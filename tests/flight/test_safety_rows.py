@@ -9,7 +9,7 @@ import pytest
 from companion.calculus.vectors import Vector
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
-from companion.flight import safety
+from companion.flight import conditions
 from companion.flight.conduct import Limits
 from companion.flight.safety import NOTHING_SINCE, ROWS, Action, SafetyInputs, watched
 from companion.law.feedback import Bounds
@@ -58,8 +58,8 @@ def test_a_part_of_the_state_that_stands_still_is_a_stale_state(key: str) -> Non
 
 
 def test_link_gaps_are_counted() -> None:
-    assert after(0.0, CALM._replace(gaps=safety.GAPS - 1)) is Action.NONE
-    assert after(0.0, CALM._replace(gaps=safety.GAPS)) is Action.HAND_BACK
+    assert after(0.0, CALM._replace(gaps=conditions.GAPS - 1)) is Action.NONE
+    assert after(0.0, CALM._replace(gaps=conditions.GAPS)) is Action.HAND_BACK
 
 
 def test_every_row_says_what_it_watches_and_what_to_do() -> None:

@@ -428,7 +428,7 @@ def test_a_motor_fails() -> None:
     memory = watched.flown.conductor.memory
     assert memory is not None
     assert memory.first_fault is not None
-    assert "leans by" in memory.first_fault or "otherwise than it is told" in memory.first_fault, memory.first_fault
+    assert memory.first_fault.startswith("thrust does not answer (a motor, propeller or battery)"), memory.first_fault
     assert "motors and propellers" in watched.said
 
 

@@ -17,6 +17,7 @@ from companion.mavlink.dialect import Value, message
 from companion.pilot import completed, epilogue
 from companion.vehicle import Mode, OutputLevel
 from companion.world import Link, Way, World
+from companion.world.events import MotorFailure, Push, When
 from tests.support.flights import Flown, Operator, flight, once
 
 LEVELS = [OutputLevel.RATES, OutputLevel.ATTITUDE, OutputLevel.MOTORS]
@@ -356,6 +357,40 @@ def test_after_somebody_elses_landing_it_is_not_armed() -> None:
     flown = flight(level=OutputLevel.RATES, prepare=prepare, meddle=land, conduct=Conduct(), time_out=100.0)
     assert flown.conductor.done
     assert not commands(flown, 0.0)
+
+
+def thrust_lost(left: float, level: OutputLevel) -> tuple[Flown, Worst, float]:
+    """A flight whose first motor has only so much left from AT on; and how long after that it was given up, s."""
+    worst = Worst()
+    ended: list[float] = []
+
+    def meddle(flown: Flown, now: float) -> None:
+        if not any("follow -> abort" in note for note in flown.notes):
+            worst(flown, now)
+        elif not ended:
+            ended.append(now - AT)
+
+    world = World(events=(MotorFailure(When(AT), 1, left),))
+    flown = flight(level=level, duration=8.0, world=world, meddle=meddle)
+    assert ended, flown.notes
+    return flown, worst, ended[0]
+
+
+@pytest.mark.parametrize(("left", "within"), [(0.5, 0.85), (0.0, 0.45)])
+@pytest.mark.parametrize("level", LEVELS)
+def test_thrust_that_does_not_answer_is_the_cause_that_is_named(left: float, within: float, level: OutputLevel) -> None:
+    flown, worst, ended = thrust_lost(left, level)
+    assert "thrust does not answer" in said(flown)
+    assert "motors and propellers" in said(flown)
+    assert ended < within
+    assert worst.lowest > 9.5
+
+
+@pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
+def test_a_push_from_above_is_no_lost_thrust(level: OutputLevel) -> None:
+    """A fifth of its weight more for half a second, as a payload that is hooked on."""
+    world = World(events=(Push(When(AT, AT + 0.5), (0.0, 0.0, 4.0)),))
+    assert through(flight(level=level, duration=4.0, world=world))
 
 
 @pytest.mark.parametrize(

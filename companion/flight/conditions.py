@@ -1,0 +1,281 @@
+"""What the safety rows look at, and their conditions.
+
+A condition is a pure function of what is seen and the limits: it says in words why it holds, or nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.flight.conduct import Limits
+from companion.vehicle import KnownStatus
+
+ESTIMATOR_PARTS = (
+    (1, "attitude"),
+    (2, "horizontal velocity"),
+    (4, "vertical velocity"),
+    (8 | 16, "horizontal position"),
+    (32, "height"),
+)
+"""The bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for."""
+CLOCK_JUMP = 0.5
+"""s that the vehicle's clock may run ahead of ours between two states (engineering choice)."""
+VELOCITY_OFF, RATES_OFF = 3.0, 1.5
+"""m/s and rad/s that position and velocity, attitude and rates may disagree by (engineering choice: PX4's own differ by
+0.04 m/s, px4_flight.md, 4)."""
+TILT_ERROR = math.radians(40.0)
+"""rad between the thrust axis asked for and the one flown (engineering choice)."""
+RATE_ERROR = 3.0
+"""rad/s between the rates asked for and flown (engineering choice)."""
+TURNING = 1.0
+"""rad/s: a vehicle that turns slower than that is not out of hand (engineering choice)."""
+LIFT_GONE, LIFT_SHORT = 0.6, 0.7
+"""Thrust made over thrust asked for, below which it does not answer: at once, and where it lasts. Simulated: one motor
+of an x500 at 50 % comes to 0.58, a storm to 0.66 for a moment."""
+LIFT_ASTRAY = 0.78
+"""The same while the vehicle turns otherwise than it is told, as it does when one motor alone is weak. A storm comes
+to 0.83."""
+RATE_ASTRAY = 1.5
+"""rad/s between the rates asked for and flown: a storm comes to 1.9, one motor at 50 % to 2.9."""
+LIFT_LEANS = 0.9
+"""The ratio below which thrust is named with a lean that is not as told (engineering choice)."""
+BEHIND = 5
+"""states that arrive together with the newest, from which on the computer is behind (engineering choice)."""
+SLOW_RATE = 12.0
+"""Hz of states, of which fewer are not flown by; preflight asks for 20 (engineering choice)."""
+GAP, GAPS, GAPS_WITHIN = 0.1, 5, 10.0
+"""s without a state that count as a gap; so many gaps within so many s are too many."""
+FENCE_AHEAD = 1.0
+"""m before the vehicle's own fence, which PX4 would act on (engineering choice)."""
+FAR_OFF = 1.0
+"""m from the path that a vehicle may be for a while and not for good (engineering choice)."""
+
+
+THRUST_SPENT, SINKING = 0.95, 0.8
+"""Of the largest thrust; m/s. One motor at half its thrust comes to this within 0.5 s (engineering choice)."""
+PULLED_DOWN, OFF_THE_PATH = 0.5, 0.5
+"""m/s^2, m: at the bottom of a steep curve a sound vehicle sinks at full thrust too, but neither is it pulled down nor
+does it leave its path (engineering choice)."""
+LINK_DELAY_MAX = 0.2
+"""s there and back (issue 11: 100 ms each way). Beyond it the law leans too far."""
+
+
+class SafetyInputs(NamedTuple):
+    """What the rows look at.
+
+    ``following``: the path is flown now, and it was reached. ``path_error``: m. ``height``: m above the ground, None
+    where that is not known. ``fence_margin``: m to the mission's fence, inside positive. ``from_home``: m level, and
+    ``above_home`` m. ``tilt``: rad. ``tilt_error``: rad between the thrust axis and the one the law asks for.
+    ``rate_error``: rad/s between the rates asked for and flown, None where none are. ``turning``: rad/s, how fast it
+    turns. ``still``: it neither moves nor turns.
+    ``saturated``: a limit of the vehicle was met. ``thrust_share``: of the largest thrust, asked for; ``sinking``: m/s
+    downwards; ``pulled_down``: m/s^2 that thrust, drag and weight do not explain, None where it is not estimated.
+    ``link_delay``: s there and back, None where it is not known. ``jump``: m that the position jumped, ``flagged`` by
+    the estimator's reset counter.
+    ``velocity_off`` m/s, ``rates_off`` rad/s: how far position and velocity, and attitude and rates, disagree.
+    ``same_place``, ``same_attitude``: the last state repeated those of the one before, although it moves, or turns.
+    ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
+    together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``gaps``: in the states,
+    of the last while. ``companions``: others that speak on the link. ``lift_asked``, ``lift_made``: m/s^2 of thrust
+    that is commanded and that comes; 0 where that is not followed.
+    """
+
+    status: KnownStatus
+    following: bool = False
+    path_error: float = 0.0
+    height: float | None = None
+    fence_margin: float = math.inf
+    from_home: float | None = None
+    above_home: float | None = None
+    tilt: float = 0.0
+    tilt_error: float = 0.0
+    rate_error: float | None = None
+    turning: float = 0.0
+    still: bool = False
+    saturated: bool = False
+    thrust_share: float = 0.0
+    sinking: float = 0.0
+    pulled_down: float | None = None
+    link_delay: float | None = None
+    jump: float = 0.0
+    flagged: bool = True
+    velocity_off: float = 0.0
+    rates_off: float = 0.0
+    same_place: bool = False
+    same_attitude: bool = False
+    clock_jump: float = 0.0
+    behind: int = 0
+    rate: float | None = None
+    gaps: int = 0
+    companions: int = 0
+    lift_asked: float = 0.0
+    lift_made: float = 0.0
+
+
+def missing_estimate(flags: int | None) -> str | None:
+    """What the estimator does not know; None where it knows enough, or has not said."""
+    if flags is None:
+        return None
+    missing = [words for bits, words in ESTIMATOR_PARTS if not flags & bits]
+    return " and ".join(missing) if missing else None
+
+
+def estimator(s: SafetyInputs, limits: Limits) -> str | None:
+    missing = missing_estimate(s.status.estimator)
+    return None if missing is None else f"the estimator has lost its {missing}"
+
+
+def jump(s: SafetyInputs, limits: Limits) -> str | None:
+    if not s.flagged and s.jump > 0.0:
+        return f"the position jumped by {s.jump:.1f} m, and the estimator's reset counter says nothing of it"
+    if limits.tube is None or s.jump <= limits.tube:
+        return None
+    return f"the estimator moved the vehicle by {s.jump:.1f} m at once, out of the tube of {limits.tube:g} m"
+
+
+def same_place(s: SafetyInputs, limits: Limits) -> str | None:
+    return "the vehicle says that it moves, and always the same position" if s.same_place else None
+
+
+def same_attitude(s: SafetyInputs, limits: Limits) -> str | None:
+    return "the vehicle says that it turns, and always the same attitude" if s.same_attitude else None
+
+
+def velocity_off(s: SafetyInputs, limits: Limits) -> str | None:
+    if s.velocity_off <= VELOCITY_OFF:
+        return None
+    return f"the position moves {s.velocity_off:.1f} m/s otherwise than the velocity says"
+
+
+def rates_off(s: SafetyInputs, limits: Limits) -> str | None:
+    if s.rates_off <= RATES_OFF:
+        return None
+    return f"the attitude turns {s.rates_off:.1f} rad/s otherwise than the body rates say"
+
+
+def clock(s: SafetyInputs, limits: Limits) -> str | None:
+    if abs(s.clock_jump) <= CLOCK_JUMP:
+        return None
+    way = "ahead" if s.clock_jump > 0.0 else "back"
+    return f"the vehicle's clock jumped {way} by {abs(s.clock_jump):.1f} s"
+
+
+def tilt(s: SafetyInputs, limits: Limits) -> str | None:
+    if limits.tilt is None or s.tilt <= limits.tilt:
+        return None
+    return f"the vehicle leans by {math.degrees(s.tilt):.0f} degrees, more than {math.degrees(limits.tilt):.0f}"
+
+
+def tilt_error(s: SafetyInputs, limits: Limits) -> str | None:
+    # a vehicle that is held does not lean as it is told either; it is to carry on when it is let go
+    if limits.tilt is None or s.tilt_error <= min(TILT_ERROR, limits.tilt) or s.still:
+        return None
+    cause = _thrust(s, LIFT_LEANS)
+    leans = f"the vehicle leans {math.degrees(s.tilt_error):.0f} degrees otherwise than it is told"
+    return leans if cause is None else f"{leans}, and {cause}"
+
+
+def rates(s: SafetyInputs, limits: Limits) -> str | None:
+    if s.rate_error is None or s.rate_error <= RATE_ERROR or s.turning <= TURNING:
+        return None
+    return f"the vehicle turns {s.rate_error:.1f} rad/s otherwise than it is told"
+
+
+def thrust_gone(s: SafetyInputs, limits: Limits) -> str | None:
+    """Much less thrust comes than is commanded."""
+    astray = s.rate_error is not None and s.rate_error > RATE_ASTRAY
+    return _thrust(s, LIFT_ASTRAY if astray else LIFT_GONE)
+
+
+def thrust_short(s: SafetyInputs, limits: Limits) -> str | None:
+    """Less thrust comes than is commanded."""
+    return _thrust(s, LIFT_SHORT)
+
+
+def thrust_spent(s: SafetyInputs, limits: Limits) -> str | None:
+    """The vehicle sinks at its largest thrust."""
+    if limits.tilt is None or s.thrust_share < THRUST_SPENT or s.sinking < SINKING:
+        return None
+    if s.pulled_down < PULLED_DOWN if s.pulled_down is not None else s.path_error < OFF_THE_PATH:
+        return None  # the bottom of a steep curve, flown as it should be
+    return f"the thrust does not answer: it is at its limit, and the vehicle sinks at {s.sinking:.1f} m/s"
+
+
+def delay(s: SafetyInputs, limits: Limits) -> str | None:
+    """The link has become slow."""
+    if s.link_delay is None or s.link_delay <= LINK_DELAY_MAX:
+        return None
+    return f"a message takes {s.link_delay:.2f} s there and back, more than {LINK_DELAY_MAX:g} s"
+
+
+def _thrust(s: SafetyInputs, ratio: float) -> str | None:
+    if s.still or s.lift_made >= ratio * s.lift_asked:
+        return None
+    return f"thrust does not answer (a motor, propeller or battery): {s.lift_made:.1f} m/s^2 of {s.lift_asked:.1f} come"
+
+
+def floor(s: SafetyInputs, limits: Limits) -> str | None:
+    if limits.floor is None or s.height is None or s.height >= limits.floor:
+        return None
+    return f"{s.height:.1f} m above the ground, below the floor of {limits.floor:g} m"
+
+
+def ceiling(s: SafetyInputs, limits: Limits) -> str | None:
+    if limits.ceiling is None or s.height is None or s.height <= limits.ceiling:
+        return None
+    return f"{s.height:.1f} m above the ground, above the ceiling of {limits.ceiling:g} m"
+
+
+def fence(s: SafetyInputs, limits: Limits) -> str | None:
+    return None if s.fence_margin >= 0.0 else f"the vehicle is {-s.fence_margin:.1f} m outside the mission's fence"
+
+
+def own_fence(s: SafetyInputs, limits: Limits) -> str | None:
+    if limits.radius and s.from_home is not None and s.from_home > limits.radius - FENCE_AHEAD:
+        return f"{s.from_home:.0f} m from home, at the vehicle's own fence of {limits.radius:g} m (GF_MAX_HOR_DIST)"
+    if limits.height and s.above_home is not None and s.above_home > limits.height - FENCE_AHEAD:
+        return f"{s.above_home:.0f} m above home, at the vehicle's own fence of {limits.height:g} m (GF_MAX_VER_DIST)"
+    return None
+
+
+def tube(s: SafetyInputs, limits: Limits) -> str | None:
+    if not s.following or limits.tube is None or s.path_error <= limits.tube:
+        return None
+    return f"{s.path_error:.1f} m from the path, outside the tube of {limits.tube:g} m"
+
+
+def saturated(s: SafetyInputs, limits: Limits) -> str | None:
+    # whoever holds a vehicle still brings the law to its limits, not the path
+    if not s.saturated or s.still or limits.tilt is None:
+        return None
+    return "the vehicle is at its limits and cannot fly this"
+
+
+def battery(s: SafetyInputs, limits: Limits) -> str | None:
+    battery = s.status.battery
+    if battery is None or limits.battery is None or battery >= limits.battery:
+        return None
+    return f"the battery is at {100.0 * battery:.0f} %, below {100.0 * limits.battery:.0f} %"
+
+
+def off_the_path(s: SafetyInputs, limits: Limits) -> str | None:
+    if not s.following or s.path_error <= FAR_OFF:
+        return None
+    return f"{s.path_error:.1f} m from the path and not coming nearer"
+
+
+def behind(s: SafetyInputs, limits: Limits) -> str | None:
+    return None if s.behind < BEHIND else f"the computer is {s.behind} states behind"
+
+
+def slow(s: SafetyInputs, limits: Limits) -> str | None:
+    return None if s.rate is None or s.rate >= SLOW_RATE else f"only {s.rate:.0f} states a second arrive"
+
+
+def gaps(s: SafetyInputs, limits: Limits) -> str | None:
+    return None if s.gaps < GAPS else f"the link has gaps: {s.gaps} of over {GAP:g} s within {GAPS_WITHIN:g} s"
+
+
+def others(s: SafetyInputs, limits: Limits) -> str | None:
+    return "another companion speaks on the link (a heartbeat of component 191)" if s.companions else None

@@ -1,0 +1,51 @@
+"""Whether the vehicle makes the thrust that is commanded: both as acceleration along its thrust axis.
+
+    made   = -e_b . (dv/dt - g e3)      from the velocities of its states (what is left of drag and wind is in it)
+    asked  = thrust / mass              of the commands, in the vehicle's own scale as it was learned
+
+Both are smoothed over TIME; what was asked for comes later by what the command and the motors take.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from companion.steering.steering import Steered
+from companion.vehicle import VehicleState
+
+TIME = 0.08
+"""s, time constant of both: a velocity that is 0.02 m/s rough makes 0.3 m/s^2 of it (engineering choice)."""
+ACTUATION = 0.06
+"""s until a command is thrust, without the link: rotors 0.05 (px4.md), and half a command's period."""
+GAP_MAX = 0.1
+"""s between two states beyond which both begin anew."""
+
+
+class Lift(NamedTuple):
+    """m/s^2, smoothed: what was ``made`` and what was ``asked`` for; ``acting``: on its way to be. ``known``: s that
+    it was followed without a gap."""
+
+    made: float = 0.0
+    asked: float = 0.0
+    acting: float = 0.0
+    known: float = 0.0
+
+
+NO_LIFT = Lift()
+
+
+def followed(
+    lift: Lift, old: VehicleState, new: VehicleState, steered: Steered, mass: float, gravity: float, delay: float
+) -> Lift:
+    """``lift`` after another state. ``steered``: the command before it. ``delay``: s, of the link there and back."""
+    dt = new.t_boot - old.t_boot
+    if not 0.0 < dt < GAP_MAX or new.resets != old.resets:
+        return NO_LIFT
+    (u, v, w), (a, b, c), r = old.v_n, new.v_n, new.r_nb
+    made = -((a - u) * r[2] + (b - v) * r[5] + (c - w - gravity * dt) * r[8]) / dt
+    asked = steered.thrust_n / mass
+    if lift.known == 0.0:
+        return Lift(made, asked, asked, dt)
+    k, later = dt / (TIME + dt), dt / (ACTUATION + delay + dt)
+    acting = lift.acting + later * (asked - lift.acting)
+    return Lift(lift.made + k * (made - lift.made), lift.asked + k * (acting - lift.asked), acting, lift.known + dt)
