@@ -42,6 +42,8 @@ def finish(conductor: Conductor, recorder: Recorder, ending: Ending, ended: Ende
     """Close the record, print the summary; the exit code. Whatever the disk does, the outcome is told."""
     done = is_completed(conductor, ended)
     code = COMPLETED if done else FAILED if ended.failure is not None else INTERRUPTED if ended.stopped else FAILED
+    if code == FAILED and not conductor.preparation.is_ours:
+        code = NO_VEHICLE
     reason = None if done else reason_of(conductor, ended)
     recorder.flush(sync=True)
     if ended.failure is not None:

@@ -19,5 +19,7 @@ def write_page(directory: Path) -> None:
         say(f"report: {page}")
     except CompanionError as error:
         say(f"no report: {error}; then: companion report {directory}")
+    except KeyboardInterrupt:  # the flight is over: only the page is stopped
+        say(f"no report: stopped; companion report {directory} makes it")
     except Exception as error:  # the flight is flown and recorded: a page that fails must not make it a failure
         say(f"no report: {told(error)}; once that is mended: companion report {directory}")

@@ -46,8 +46,8 @@ __all__ = ["COMMANDS", "Conductor", "Orders", "Tick"]
 
 NOT_FLYING = frozenset({Phase.PREFLIGHT, Phase.STAND_BY})
 """The phases in which a vehicle that was switched on anew is taken again."""
-RATE_OVER = 0.5
-"""s over which the rate of states is measured."""
+RATE_FIRST, RATE_OVER = 0.25, 0.5
+"""s over which the rate of states is measured, first and from then on."""
 
 
 class Tick(NamedTuple):
@@ -211,7 +211,7 @@ class Conductor:
         self.states += count
         self._count += count
         passed = now - self._counted_at
-        if self.states and passed >= RATE_OVER:
+        if self.states and passed >= (RATE_FIRST if self._rate is None else RATE_OVER):
             self._rate = self._count / passed
             self._count, self._counted_at = 0, now
 

@@ -75,13 +75,16 @@ class Preparation:
         self.state_heard = self.state_heard or state is not None
         lacks = self._lacks(orders, identity, now)
         if lacks is not None:
-            self._say_missing(lacks, now)
+            self._say_missing(f"for the vehicle to say {lacks}", now)
+            if self._known_for(now) > GIVEN_UP_AFTER:
+                self.refusal = f"within {GIVEN_UP_AFTER:g} s the vehicle has not said {lacks}"
             return None
         if state is None:
             return None
         try:
             return self._made(orders, state, now)
         except NotKnownError as error:
+            self._say_missing(f"because {error}", now)
             if self._known_for(now) > PLACE_WITHIN:
                 self.refusal = str(error)
         except CompanionError as error:
@@ -103,14 +106,12 @@ class Preparation:
         return "whether it is armed (HEARTBEAT)" if status.armed is None else None
 
     def _say_missing(self, lacks: str, now: float) -> None:
-        """Say what is missing once it is for a while, and when that changes; and end what cannot begin."""
+        """Say what is waited for once it is missing for a while, and when that changes."""
         if lacks != self._lacking:
             self._lacking, self._lacking_since, self._lacking_said = lacks, now, False
         elif not self._lacking_said and now - self._lacking_since > MISSING_SAID_AFTER:
             self._lacking_said = True
-            self.notes.append(f"waiting for the vehicle to say {lacks}")
-        if self._known_for(now) > GIVEN_UP_AFTER:
-            self.refusal = f"within {GIVEN_UP_AFTER:g} s the vehicle has not said {lacks}"
+            self.notes.append(f"waiting {lacks}")
 
     def restore(self, now: float) -> None:
         """Set back what was set for the flight."""
@@ -176,8 +177,13 @@ class Preparation:
                 self.changed[name] = was
                 self.parameters.change(name, value, now)
 
+    @property
+    def is_ours(self) -> bool:
+        """Whether what answered is an autopilot that can be flown; True as long as none has."""
+        return self.link.identity is None or self.link.is_px4
+
     def _refused(self, orders: Orders, identity: Identity, now: float) -> str | None:
-        if not self.link.is_px4:
+        if not self.is_ours:
             return (
                 f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
             )

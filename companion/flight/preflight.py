@@ -67,7 +67,9 @@ def _delay(s: Standing) -> str | None:
 
 
 def _rate(s: Standing) -> str | None:
-    if s.rate is None or s.rate >= RATE_WANTED:
+    if s.rate is None:
+        return "the rate of states is not known yet (ODOMETRY)"
+    if s.rate >= RATE_WANTED:
         return None
     return f"only {s.rate:.0f} states a second arrive, {RATE_WANTED:g} are needed; raise the link's speed (MAV_x_RATE)"
 
@@ -90,7 +92,7 @@ def _alone(s: Standing) -> str | None:
 
 def _home(s: Standing) -> str | None:
     if s.finish is Finish.RETURN and s.limits.home is None:
-        return "the vehicle has no home to return to; wait for its GPS, or finish with hold or land"
+        return "the vehicle has no home to return to (HOME_POSITION); wait for its GPS, or finish with hold or land"
     return None
 
 

@@ -127,7 +127,7 @@ ROWS: tuple[Row, ...] = (
         "land it and look at motors, propellers and battery",
     ),
     Row(
-        f"a message takes {conditions.LINK_DELAY_MAX:g} s there and back",
+        f"a message takes {conditions.LINK_DELAY_MAX:g} s there and back, {conditions.LATE_AT_MOTORS:g} s at motors",
         conditions.delay,
         0.3,
         Action.HAND_BACK,

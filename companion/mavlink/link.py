@@ -41,6 +41,8 @@ HEARTBEAT_PERIOD = 1.0
 TIMESYNC_PERIOD = 0.25
 ROUND_TRIPS = 9
 """of which the middle one counts: one that waited in a queue says nothing, a link that has become slower does."""
+AT_LEAST = 3
+"""The last of them, of which the least counts where that is more: a link that goes on becoming slower."""
 COMPANION_GONE = 3.0
 """s without its heartbeat after which another companion is gone."""
 
@@ -72,7 +74,8 @@ class Link:
 
     ``identity``: None until a multirotor's autopilot was heard. ``others``: further ones on its own link, by system id.
     ``peers``: which source is the vehicle's. ``replaced``: uids of another vehicle that answered under the same id.
-    ``round_trip``: s, the median of the last few. ``clock``: how late its states are. ``texts``: what the vehicle said
+    ``round_trip``: s, the median of the last few, more where it grows.
+    ``clock``: how late its states are. ``texts``: what the vehicle said
     in words since they were last taken.
     """
 
@@ -226,7 +229,8 @@ class Link:
         if 0.0 <= round_trip < 10.0:
             self._round_trips = (*self._round_trips[1 - ROUND_TRIPS :], round_trip)
             self.clock.synchronise(ts1 * 1e-9, tc1 * 1e-9, now)
-            self.round_trip = sorted(self._round_trips)[len(self._round_trips) // 2]
+            middle = sorted(self._round_trips)[len(self._round_trips) // 2]
+            self.round_trip = max(middle, min(self._round_trips[-AT_LEAST:]))
 
     def _command(self, command: Command, confirmation: int) -> None:
         assert self.identity is not None

@@ -14,10 +14,11 @@ import pytest
 from companion.flight.conduct import Conduct
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Value, message
+from companion.mission import Origin
 from companion.pilot import completed, epilogue
 from companion.vehicle import Mode, OutputLevel
 from companion.world import Link, Way, World
-from companion.world.events import MotorFailure, Push, When
+from companion.world.events import LinkDelay, LinkThin, MotorFailure, Push, When
 from tests.support.flights import Flown, Operator, flight, once
 
 LEVELS = [OutputLevel.RATES, OutputLevel.ATTITUDE, OutputLevel.MOTORS]
@@ -411,3 +412,37 @@ def test_what_is_missing_is_named_and_the_flight_given_up(prepare: Callable[[Flo
     flown = flight(level=OutputLevel.RATES, prepare=prepare, meddle=listen, time_out=70.0)
     assert named and named[0] < 10.0
     assert flown.conductor.refusal is not None and says in flown.conductor.refusal
+
+
+def test_a_home_that_is_missing_is_named() -> None:
+    """A mission that counts from home, and a vehicle without one: said within 10 s, and given up."""
+    named: list[float] = []
+
+    def listen(flown: Flown, now: float) -> None:
+        if not named and any(note.startswith("waiting") and "HOME_POSITION" in note for note in flown.notes):
+            named.append(now)
+
+    quiet = silent("HOME_POSITION", since=0.0)
+    flown = flight(level=OutputLevel.RATES, prepare=quiet, meddle=listen, time_out=70.0, origin=Origin.HOME)
+    assert named and named[0] < 10.0
+    assert flown.conductor.refusal is not None and "HOME_POSITION" in flown.conductor.refusal
+    assert not commands(flown, 0.0)
+
+
+def test_fourteen_states_a_second_are_refused_with_the_limit() -> None:
+    world = World(events=(LinkThin(When(0.0), up=False, messages=frozenset({"ODOMETRY"}), rate=14.0),))
+    flown = flight(level=OutputLevel.RATES, world=world, time_out=75.0)
+    assert any(note.startswith("waiting: only 14 states a second arrive, 20 are needed") for note in flown.notes)
+    assert "20 are needed" in said(flown)
+    assert not commands(flown, 0.0)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_setpoints_that_come_later_and_later_end_in_hold_while_it_still_flies(level: OutputLevel) -> None:
+    worst = Worst()
+    world = World(events=(LinkDelay(When(AT), down=False, growth=0.1),))
+    flown = flight(level=level, duration=20.0, world=world, meddle=worst)
+    assert worst.tilt < 45.0
+    assert worst.lowest > 8.0
+    assert flown.between.bridge.autopilot.commander.mode is Mode.HOLD
+    assert "there and back" in said(flown)

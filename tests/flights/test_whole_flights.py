@@ -5,14 +5,17 @@ from __future__ import annotations
 import itertools
 import math
 import random
+from pathlib import Path
 
 import pytest
 
+from companion.cli.finish import NO_VEHICLE, Ended, Ending, finish
 from companion.daemon.conductor import COMMANDS
 from companion.flight.phases import Phase, Request
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.pilot import LEVEL_FOR, completed
+from companion.record.folder import Recorder, Source
 from companion.vehicle import Landed, Mode, MotorSetpoint, OutputLevel
 from tests.support.flights import Flown, Operator, flight, once
 
@@ -227,7 +230,7 @@ def test_motor_commands_are_not_sent_to_a_vehicle_that_does_not_take_them() -> N
     assert not flown.setpoints
 
 
-def test_another_autopilot_is_left_alone() -> None:
+def test_another_autopilot_is_left_alone(tmp_path: Path) -> None:
     def ardupilot(flown: Flown) -> None:
         beat = Encoder(1, 1).message(message("HEARTBEAT"), autopilot=3, type=2, system_status=4)
         flown.between.down = lambda data, now: [beat]
@@ -235,6 +238,8 @@ def test_another_autopilot_is_left_alone() -> None:
     flown = flight(prepare=ardupilot)
     assert flown.conductor.refusal is not None
     assert "not PX4" in flown.conductor.refusal
+    recorder = Recorder(tmp_path / "record", Source("m", ""), Source("v", ""), epoch=0.0)
+    assert finish(flown.conductor, recorder, Ending(json=False, settle=0.0), Ended(0.0, stopped=False)) == NO_VEHICLE
     assert {frame.format.name for _, frame in flown.between.sent} <= {"HEARTBEAT", "COMMAND_LONG", "TIMESYNC"}
 
 
