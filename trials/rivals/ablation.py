@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from companion.estimation.estimator import Prior
-from companion.estimation.kalman_step import DRAG
+from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, VELOCITY_ERROR, WANDER
 from companion.estimation.rate_loop_model import RateLoop
 from companion.plan import Plan
 from companion.steering.rates import RateMemory, RateSteering
@@ -17,8 +17,10 @@ KNOWN = 1e-9
 """A standard deviation that leaves nothing to learn."""
 NO_LAG = 1e-3
 """s; a lag of nothing."""
-DISTURBANCE, BIAS = (2, 6, 10), (3, 7, 11)
-"""Where the filter keeps them."""
+PUSHES = tuple(PER_AXIS * axis + kind for axis in range(AXES) for kind in (DISTURBANCE, GUST))
+"""Where the filter keeps the disturbance."""
+BIAS = tuple(PER_AXIS * axis + kind for axis in range(AXES) for kind in (WANDER, VELOCITY_ERROR))
+"""Where it keeps the errors of the vehicle's own estimate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +67,7 @@ def _nothing(steering: RateSteering) -> RateSteering:
     plain = dataclasses.replace(
         steering, prior=Prior((1.0, KNOWN), (0.0, KNOWN)), rate_loop=RateLoop(NO_LAG, steering.rate_loop.motor_lag)
     )
-    return _forgetful(plain, *DISTURBANCE, *BIAS, DRAG)
+    return _forgetful(plain, *PUSHES, *BIAS, DRAG)
 
 
 def _no_prediction(steering: RateSteering) -> RateSteering:
@@ -76,7 +78,7 @@ REMEDIES: dict[str, Callable[[RateSteering], RateSteering]] = {
     "everything on": lambda steering: steering,
     "no prediction over the rate loop": _no_prediction,
     "no drag": _no_drag,
-    "no disturbance": lambda steering: _forgetful(steering, *DISTURBANCE),
+    "no disturbance": lambda steering: _forgetful(steering, *PUSHES),
     "no bias between velocity and position": lambda steering: _forgetful(steering, *BIAS),
     "no thrust scale": _no_scale,
     "none of them": _nothing,
