@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from pathlib import Path
 
@@ -199,6 +200,9 @@ def test_random_walks_never_raise_and_always_end() -> None:
                         intended=rng.choice((None, *Mode)),
                         landed=rng.choice((None, *Landed)),
                         ready=rng.choice((None, True, False)),
+                        failsafe=rng.choice((None, True, False)),
+                        mode_age=rng.choice((0.0, 0.5, 2.0, 3.0, math.inf)),
+                        was_armed=rng.random() < 0.2,
                     ),
                     mode_seen=rng.random() < 0.5,
                     state_at=rng.choice((None, now, now - 1.0)),
@@ -216,6 +220,12 @@ def test_random_walks_never_raise_and_always_end() -> None:
                     finished=rng.choice((None, None, None, "flew 1 laps")),
                     law_error=rng.choice((None, None, None, None, "singular")),
                     verdict=Verdict(rng.choice(list(Action)), "because"),
+                    decided_in=rng.choice((None, *Mode)),
+                    asked=rng.randrange(4),
+                    unusable=rng.choice((None, "the same one comes again and again")),
+                    late=rng.choice((0.0, 0.15)),
+                    answered=rng.choice((0.0, 1.0)),
+                    armed_heard=rng.choice((0.0, 0.5, math.inf)),
                 )
             )
             if decision is not None:
