@@ -28,7 +28,7 @@ gallery: .venv/installed-report
 	$(BIN)/python bench/gallery.py
 
 schema: .venv/installed-test
-	for kind in mission vehicle world; do $(BIN)/companion schema $$kind > schema/$$kind.schema.json || exit 1; done
+	for kind in mission vehicle world study; do $(BIN)/companion schema $$kind > schema/$$kind.schema.json || exit 1; done
 
 # flights/ is never removed: it holds what was flown, and only its owner knows what of it may go
 clean:

@@ -40,6 +40,7 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     config       files people write -> values                        record      the evidence, and what is made of it
     daemon       the only sockets and clocks                         services    MAVSDK, off the control path
     library      what Python and the commands offer alike            watch       the live page, a process of its own
+    study        many flights, and how many of them pass
     cli          the commands
 
 The vehicle's software stand-in is its own package, ``sim_bridge``, with its own derivation of the physics.

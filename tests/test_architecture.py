@@ -44,12 +44,13 @@ MAY_IMPORT: dict[str, str] = {
     "library": "frames geodesy calculus vehicle world paths law mission places allocation feasibility flight plan pilot "
     "mavlink config record daemon",
     "watch": "plain_text record daemon",
+    "study": "vehicle config record library",
     "cli": "*",
 }
 SIM_BRIDGE = {"plain_text", "mavlink_common", "frames", "geodesy", "vehicle", "world", "mavlink"}
 SIM_BRIDGE_SHELL = {"sim_bridge/__main__.py", "sim_bridge/server.py"}
 IMPURE = {"socket", "select", "time", "signal", "threading", "random", "subprocess", "os", "termios", "gc"}
-MAY_BE_IMPURE = {"daemon", "config", "record", "services", "watch", "library", "cli"}
+MAY_BE_IMPURE = {"daemon", "config", "record", "services", "watch", "library", "study", "cli"}
 
 
 def imports(path: Path) -> set[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion import __version__
-from companion.cli import file_commands, look_commands, record_commands, vehicle_commands
+from companion.cli import file_commands, look_commands, record_commands, study_commands, vehicle_commands
 from companion.cli.options import (
     AcceptInfeasible,
     Bench,
@@ -249,6 +249,7 @@ look_commands.register(app)
 file_commands.register(app)
 record_commands.register(app)
 vehicle_commands.register(app)
+study_commands.register(app)
 
 
 def main() -> None:

@@ -58,7 +58,7 @@ def new(
     write(kind, file, force)
 
 
-def schema(kind: Annotated[str, typer.Argument(metavar="KIND", help="mission, vehicle or world.")]) -> None:
+def schema(kind: Annotated[str, typer.Argument(metavar="KIND", help="mission, vehicle, world or study.")]) -> None:
     """Print the JSON Schema of a kind of file: every key, what it means, its unit. Editors complete and check by it."""
     from companion.cli.new import schema as print_schema
 

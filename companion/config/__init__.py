@@ -4,6 +4,7 @@ syntax/       YAML and JSON -> plain data that remembers its lines; faults, unit
 mission/      mission files: path, speed, heading, fence, gains
 plan/         plans of ground stations -> missions
 world/        world files
+study/        study files
 vehicle       vehicle files
 json_schemas  the JSON Schemas of them all
 examples      files to begin from

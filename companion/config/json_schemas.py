@@ -8,10 +8,16 @@ from typing import Any
 from pydantic import BaseModel
 
 from companion.config.mission.mission import MissionModel
+from companion.config.study.keys import StudyModel
 from companion.config.vehicle import VehicleModel
 from companion.config.world.keys import WorldModel
 
-MODELS: dict[str, type[BaseModel]] = {"mission": MissionModel, "vehicle": VehicleModel, "world": WorldModel}
+MODELS: dict[str, type[BaseModel]] = {
+    "mission": MissionModel,
+    "vehicle": VehicleModel,
+    "world": WorldModel,
+    "study": StudyModel,
+}
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 

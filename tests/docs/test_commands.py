@@ -23,7 +23,7 @@ from sim_bridge.__main__ import fly as fly_bridge
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 RUN = {"check", "sim", "demo", "export", "export-flight", "law", "new", "replay", "report", "schema", "status"}
-PARSED = {"fly", "preflight", "vehicle", "watch"}
+PARSED = {"fly", "preflight", "study", "vehicle", "watch"}
 OTHERS = {"docker", "sudo", "echo", "kill", ".", "openssl", "umask", "(umask", "git", "cd"}
 SHORT = ("--duration", "1", "--settle", "0.5", "--no-report")
 GIVEN = {"my_mission.yaml": "circle", "my_circle.yaml": "circle", "my_quad.yaml": "vehicle"}
