@@ -20,6 +20,7 @@ from companion.cli.options import (
     Duration,
     Finishes,
     Floor,
+    Forward,
     HomePlace,
     Json,
     MissionName,
@@ -185,6 +186,7 @@ def fly(
     report: Report = True,
     accept_infeasible: AcceptInfeasible = False,
     signing_key: SigningKey = None,
+    forward: Forward = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -196,6 +198,7 @@ def fly(
     from companion.cli.flying import fly as fly_now
     from companion.config.signing_key import read_key
     from companion.daemon.address import parsed
+    from companion.daemon.forwarding import parsed_endpoint
     from companion.flight.conduct import Conduct, Finish, Limits
     from companion.library.orders import Faults, check_record, home_told, read_sortie
     from companion.record.folder import new_directory
@@ -206,12 +209,11 @@ def fly(
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, told=told))
     faults.collect(lambda: check_record(record))
     key = None if signing_key is None else faults.collect(lambda: read_key(signing_key))
+    shared = faults.collect(lambda: tuple(map(parsed_endpoint, forward or ()))) or ()
     faults.raise_any()
     assert sortie is not None and open_port is not None
     sortie, found = looked_at(sortie)
     _refuse_infeasible(found, accept_infeasible, json)
-    if dry_run and bench:
-        raise CompanionError("--dry-run and --bench exclude each other; expected one of them")
     conduct = Conduct(
         authority=authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
         finish=Finish.AS_BEGUN if finish is None else Finish(finish.value),
@@ -220,7 +222,7 @@ def fly(
     )
     directory = record or new_directory(sortie.mission.name)
     ending = Ending(json, settle, report)
-    flight = Flight(sortie, directory, duration, ending, set_parameters, conduct, draw, accept_infeasible, key)
+    flight = Flight(sortie, directory, duration, ending, set_parameters, conduct, draw, accept_infeasible, key, shared)
     raise typer.Exit(fly_now(flight, open_port()))
 
 

@@ -12,6 +12,7 @@ from companion.cli.finish import INTERRUPTED, Ended, Ending, finish
 from companion.cli.output import WhoStarts
 from companion.cli.terminal import say
 from companion.daemon.conductor import Conductor, Orders
+from companion.daemon.forwarding import Endpoint
 from companion.daemon.last_resort import told
 from companion.daemon.loop import NoVehicleError, clock, run
 from companion.daemon.port import Port
@@ -41,7 +42,7 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Flight:
-    """One flight on a vehicle. ``key``: what the link is signed with."""
+    """One flight on a vehicle. ``key``: what the link is signed with. ``forward``: who shares it."""
 
     sortie: Sortie
     directory: Path
@@ -52,6 +53,7 @@ class Flight:
     draw: bool = False
     accept_infeasible: bool = False
     key: bytes | None = field(default=None, repr=False)
+    forward: tuple[Endpoint, ...] = ()
 
 
 def most_speed_scale(feasible: float) -> float:
@@ -66,7 +68,10 @@ def objection(mission: Mission, vehicle: Vehicle, ground: float) -> str | None:
 
 
 def authority_of(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial: bool) -> ControlAuthority:
-    """Who does what. On a serial line, which is how a companion sits in a vehicle, the pilot is asked to begin."""
+    """Who does what. On a serial line, which is how a companion sits in a vehicle, the pilot is asked to begin.
+    CompanionError: asked for two things that exclude each other."""
+    if dry_run and bench:
+        raise CompanionError("--dry-run and --bench exclude each other; expected one of them")
     if bench:
         return ControlAuthority.BENCH
     if dry_run:
@@ -127,7 +132,7 @@ def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals, sig
         conductor.decoder.signing = signing
     say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.authority]}")
     listen_to(signals, conductor, recorder)
-    failure = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE)
+    failure = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE, flight.forward)
     if failure is None:
         _remember(conductor, sortie.vehicle.name)
     return finish(conductor, recorder, flight.ending, Ended(clock(), bool(signals.came), failure))

@@ -115,6 +115,15 @@ SigningKey = Annotated[
         show_default="unsigned",
     ),
 ]
+Forward = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--forward",
+        metavar="URL",
+        help="Share the vehicle's link with udpout://HOST:PORT[?max_hz=HZ][&commands=yes]; may be repeated.",
+        show_default="nobody",
+    ),
+]
 Quiet = Annotated[
     bool,
     typer.Option("--quiet", "-q", callback=be_quiet, help="Say only warnings, faults and the result."),

@@ -7,7 +7,7 @@ conductor against the plant under a simulated clock.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from companion import pilot
@@ -118,6 +118,12 @@ class Conductor:
         self._pending: Tick | None = None
         self._recorder = recorder
         self._now = now
+        self._relay: Callable[[bytes], None] | None = None
+
+    def relay(self, take: Callable[[bytes], None]) -> None:
+        """Have ``take`` called with every frame that came from the vehicle or went to it, after the setpoint."""
+        self._relay = take
+        self.decoder.tap = self._frames.append
 
     @property
     def done(self) -> bool:
@@ -243,6 +249,9 @@ class Conductor:
         if self._recorder is not None:
             for frame in self._frames:
                 self._recorder.frame(self._now, frame)
+        if self._relay is not None:
+            for frame in self._frames:
+                self._relay(frame)
         self._frames.clear()
         self._conclude()
         if self._pending is not None:

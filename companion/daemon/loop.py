@@ -12,9 +12,10 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from companion.daemon.conductor import Conductor
+from companion.daemon.forwarding import Endpoint, Forwarder
 from companion.daemon.last_resort import LastResort
 from companion.daemon.live import Publisher
 from companion.daemon.port import Port
@@ -46,31 +47,44 @@ def clock() -> float:
 
 
 def run(
-    conductor: Conductor, port: Port, recorder: Recorder | None, say: Callable[[str], None], wait_for_vehicle: float
+    conductor: Conductor,
+    port: Port,
+    recorder: Recorder | None,
+    say: Callable[[str], None],
+    wait_for_vehicle: float,
+    forward: Sequence[Endpoint] = (),
 ) -> LastResort | None:
     """Fly until the conductor is done. What ended the flight in its place, where the companion itself failed.
 
-    ``say`` takes lines for a person. NoVehicleError: none within ``wait_for_vehicle`` s.
+    ``say`` takes lines for a person. ``forward``: who shares the link. NoVehicleError: none within
+    ``wait_for_vehicle`` s.
     """
     with _undisturbed(), contextlib.closing(Service(os.environ)) as service:
         notice = StatusFile(about(conductor.orders, port.describe(), recorder))
         teller = Teller(conductor, notice, service, say, clock)
         publisher = Publisher(conductor, teller.lines, clock)
+        forwarder = Forwarder(forward, teller.lines, clock) if forward else None
         scribe = None if recorder is None else Scribe(recorder, teller.lines, clock)
         try:
             teller.start()
             publisher.start()
+            if forwarder is not None:
+                conductor.relay(forwarder.give)
+                forwarder.start()
             if scribe is not None:
                 scribe.start()
             with punctual() as priority:
                 say(priority)
                 service.ready(f"listening to {port.describe()}")
-                return _Flight(conductor, port, service, recorder, teller).fly(wait_for_vehicle)
+                return _Flight(conductor, port, service, recorder, teller, forwarder).fly(wait_for_vehicle)
         finally:
             service.stopping()
             if scribe is not None and recorder is not None and not scribe.finish(DISK_PATIENCE):
                 recorder.abandon()
             publisher.finish(SCREEN_PATIENCE)
+            if forwarder is not None:
+                forwarder.finish(SCREEN_PATIENCE)
+                teller.lines.extend(forwarder.close())
             teller.finish(SCREEN_PATIENCE)
             publisher.remove()
             notice.remove()
@@ -95,7 +109,13 @@ class _Flight:
     """A flight's turns: wait for what arrives, act, send; whoever flies."""
 
     def __init__(
-        self, conductor: Conductor, port: Port, service: Service, recorder: Recorder | None, teller: Teller
+        self,
+        conductor: Conductor,
+        port: Port,
+        service: Service,
+        recorder: Recorder | None,
+        teller: Teller,
+        forwarder: Forwarder | None,
     ) -> None:
         self._conductor = conductor
         self._flown: Conductor | LastResort = conductor
@@ -103,6 +123,7 @@ class _Flight:
         self._service = service
         self._recorder = recorder
         self._teller = teller
+        self._forwarder = forwarder
         self._rhythm, self._rehearsal = Rhythm(), Rehearsal()
         self._states = 0
         self._frozen = False
@@ -145,6 +166,8 @@ class _Flight:
         if now >= flown.next_timer():
             flown.on_timer(now)
             self._send()
+        if self._forwarder is not None:
+            self._send_on(self._forwarder.upward(), now)
         self._service.alive(now)
         self._hand_over(now)
         if self._conductor.plan is not None and not self._frozen:
@@ -190,6 +213,16 @@ class _Flight:
         for datagram in self._flown.datagrams():
             if to is not None:
                 self._port.send(datagram, to)
+
+    def _send_on(self, frames: list[bytes], now: float) -> None:
+        """What endpoints have for the vehicle, unchanged."""
+        to = self._conductor.link.peers.to
+        if to is None:
+            return
+        for frame in frames:
+            self._port.send(frame, to)
+            if self._recorder is not None:
+                self._recorder.frame(now, frame)
 
     def _hand_over(self, now: float) -> None:
         """What was said goes to the record and to the screen."""
