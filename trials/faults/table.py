@@ -20,8 +20,8 @@ HEAD = (
 )
 PAGE = """# Faults
 
-Every fault that was ever seen or thought of, each as a flight in lockstep against the stand-in, at rates / attitude /
-motors, from a hover on a circle of 5 m at 10 m height and 3 m/s unless it says otherwise. Made by
+Every fault that was ever seen or thought of, each as a flight in lockstep against the stand-in, at {levels}, from a
+hover on a circle of 5 m at 10 m height and 3 m/s unless it says otherwise. Made by
 `python -m bench.faults`; each row is a case of `trials/faults/deck`, whose world keys `docs/worlds.md` explains.
 
 *Must end*: flown as if nothing had happened; held (given up with a reason, the vehicle in Hold); refused (nothing armed,
@@ -82,7 +82,13 @@ def page(found: Iterable[Row]) -> str:
         by_name.setdefault(row.name, []).append(row)
     flights = sum(map(len, by_name.values()))
     not_right = sum(bool(row.wrong) for group in by_name.values() for row in group)
-    text = PAGE + f"{len(by_name)} faults, {flights} flights, {flights - not_right} as they must be.\n"
+    levels = " / ".join(
+        level.value for level in LEVELS if any(row.level is level for g in by_name.values() for row in g)
+    )
+    text = (
+        PAGE.format(levels=levels)
+        + f"{len(by_name)} of {len(DECK)} faults, {flights} flights, {flights - not_right} as they must be.\n"
+    )
     for title, cases in GROUPS.items():
         lines = [_line(case, by_name[case.name]) for case in cases if case.name in by_name]
         if lines:

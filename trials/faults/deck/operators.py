@@ -76,8 +76,8 @@ HALF_A_LINK = (
          events=(down(1.0, 4.0), at(2.5, Order.LAND))),
     Case("both ways cut for 3 s, the operator lands meanwhile", End.OPERATORS, phase=Phase.FOLLOW, watched_for=6.0,
          events=(LinkCut(When(1.0, 4.0)), at(2.5, Order.LAND))),
-    Case("the downlink cut in join for 0.8 s, the operator returns", End.OPERATORS, phase=Phase.JOIN, begin=Begin.BESIDE,
-         watched_for=4.0, events=(down(1.0, 1.8), at(1.5, Order.RETURN))),
+    Case("the downlink cut in join for 0.8 s, the operator returns", End.HELD, or_end=(End.OPERATORS,), phase=Phase.JOIN,
+         begin=Begin.BESIDE, watched_for=4.0, events=(down(1.0, 1.8), at(1.5, Order.RETURN))),
 )  # fmt: skip
 
 BEFORE = (
