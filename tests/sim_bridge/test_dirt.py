@@ -24,7 +24,6 @@ from companion.world.events import (
     LinkRecut,
     LinkRepeat,
     LinkThin,
-    ManualControl,
     MotorFailure,
     NotANumber,
     OdometryFrames,
@@ -35,6 +34,7 @@ from companion.world.events import (
     PortChange,
     Saying,
     Stamps,
+    Sticks,
     Stranger,
     When,
     WrongStamps,
@@ -250,7 +250,7 @@ def test_an_event_counts_from_the_arming() -> None:
 
 
 def test_the_sticks_let_the_operator_choose_position() -> None:
-    client = hovering(ManualControl(When(0.5, 3.0), pitch=0.0), Operator(When(1.0, 1.0), Order.POSITION))
+    client = hovering(Sticks(When(0.5, 3.0), pitch=0.0), Operator(When(1.0, 1.0), Order.POSITION))
     client.run(1.2)
     assert client.flown is Mode.POSITION
     client.run(4.0)
