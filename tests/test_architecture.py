@@ -142,18 +142,12 @@ def test_benchmarks_and_tests_meet_only_in_trials(here: str, away: set[str]) -> 
 
 FUNCTION_MAX, FILE_MAX = 60, 300
 """Lines. No exceptions in the two packages."""
-LONGER_FOR_NOW = {
-    "companion/daemon/conductor.py", "companion/flight/safety.py", "companion/pilot/tick.py",
-}  # fmt: skip
-"""To be shortened; nothing is added."""
 CONTROL = ("estimation", "steering", "law", "flight", "pilot", "allocation.py", "thrust_range.py", "plan.py")
 CONTROL_FILES = [path for path in COMPANION_FILES if path.relative_to(ROOT / "companion").parts[0] in CONTROL]
 
 
 @pytest.mark.parametrize("path", [*COMPANION_FILES, *SIM_FILES], ids=lambda p: str(p.relative_to(ROOT)))
 def test_a_function_is_read_on_one_screen_and_a_file_in_one_go(path: Path) -> None:
-    if str(path.relative_to(ROOT)) in LONGER_FOR_NOW:
-        return
     text = path.read_text(encoding="utf-8")
     assert text.count("\n") <= FILE_MAX, f"{path.name} has {text.count(chr(10))} lines"
     for node in ast.walk(ast.parse(text)):

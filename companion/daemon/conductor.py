@@ -8,17 +8,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 from companion import pilot
+from companion.daemon.asked_of_vehicle import COMMANDS, answer_to, streams
 from companion.daemon.ground import WANTED as GROUND_WANTED
 from companion.daemon.ground import GroundSide
 from companion.daemon.orders import Orders
 from companion.daemon.payload import Payload
 from companion.daemon.preparing import Preparation
+from companion.daemon.state_count import StateCount
+from companion.daemon.tick import Half, Tick
 from companion.estimation.learned import Learned
-from companion.flight.phases import Phase, Request
-from companion.flight.situation import Answer, Reply
+from companion.flight.phases import Phase
+from companion.flight.situation import Answer
 from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
 from companion.mavlink import requests, setpoints, telemetry
@@ -28,45 +30,15 @@ from companion.mavlink.parameters import Parameters
 from companion.mavlink.peer import Received
 from companion.mavlink.repeats import Repeats
 from companion.mavlink_common import MAV_COMP_ID_AUTOPILOT1
-from companion.pilot import First, Memory, Observation, Outcome
+from companion.pilot import Memory, Observation
 from companion.plan import Plan
 from companion.record.folder import Recorder
-from companion.vehicle import Mode, Setpoint, VehicleState
+from companion.vehicle import Setpoint, VehicleState
 
-COMMANDS = {
-    Request.ARM: requests.ARM,
-    Request.DISARM: requests.DISARM,
-    Request.TAKE_OFF: requests.AUTO_TAKE_OFF,
-    Request.OFFBOARD: requests.set_mode(Mode.OFFBOARD),
-    Request.HOLD: requests.set_mode(Mode.HOLD),
-    Request.LAND: requests.AUTO_LAND,
-    Request.RETURN: requests.set_mode(Mode.RETURN),
-}
-__all__ = ["COMMANDS", "Conductor", "Orders", "Tick"]
+__all__ = ["Conductor", "Orders", "Tick"]
 
 NOT_FLYING = frozenset({Phase.PREFLIGHT, Phase.STAND_BY})
 """The phases in which a vehicle that was switched on anew is taken again."""
-RATE_FIRST, RATE_OVER = 0.25, 0.5
-"""s over which the rate of states is measured, first and from then on."""
-
-
-class Tick(NamedTuple):
-    """What the last tick saw and did, kept until the setpoint is on its way; and what it remembered ``before``."""
-
-    seen: Observation
-    memory: Memory
-    outcome: Outcome
-    now: float
-    before: Memory
-
-
-class Half(NamedTuple):
-    """A tick whose setpoint is queued already, and whose rest comes after the send."""
-
-    seen: Observation
-    early: First | None
-    now: float
-    before: Memory
 
 
 class Conductor:
@@ -78,19 +50,8 @@ class Conductor:
     """
 
     def __init__(self, orders: Orders, recorder: Recorder | None, now: float, *, stream: bool = False) -> None:
-        rate = orders.vehicle.state_rate
         self.orders = orders
-        self.link = wire.Link(
-            streams=(
-                requests.stream(telemetry.ODOMETRY.id, rate),
-                requests.stream(telemetry.CURRENT_MODE.id, 20.0),
-                requests.stream(telemetry.EXTENDED_SYS_STATE.id, 10.0),
-                requests.stream(telemetry.ESTIMATOR_STATUS.id, 5.0),
-                requests.stream(telemetry.BATTERY_STATUS.id, 1.0),
-                requests.request(telemetry.GPS_GLOBAL_ORIGIN.id),
-                requests.request(telemetry.HOME_POSITION.id),
-            )
-        )
+        self.link = wire.Link(streams=streams(orders.vehicle.state_rate))
         self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()
         self._frames: list[bytes] = []  # what came and went since the last ``sent``, for the record
@@ -104,10 +65,7 @@ class Conductor:
         self.ground = GroundSide(self.link.send, self.notes.append, orders.conduct.speed_scale_max)
         self.payload = Payload(self.notes.append)
         self.last: Tick | None = None
-        self.states = 0
-        self._count, self._counted_at = 0, now
-        self._rate: float | None = None
-        self._newest = (0, -math.inf)
+        self._states = StateCount(now)
         self._late = 0.0
         self.link.clock.may_stand = orders.conduct.at_once
         self._stream = stream
@@ -145,6 +103,11 @@ class Conductor:
         if self.plan is None or self.memory is None or self.memory.steering is None:
             return None
         return self.plan.steering.learned(self.memory.steering)
+
+    @property
+    def states(self) -> int:
+        """States that arrived so far."""
+        return self._states.total
 
     def stop(self) -> None:
         """Hand the vehicle back at the next tick."""
@@ -193,33 +156,14 @@ class Conductor:
                         self._late = self.link.clock.late(arrived.t_boot, now)
                         if state is None or arrived.t_boot >= state.t_boot:
                             state, late = arrived, self._late
-                        count += self._is_new(arrived.t_boot)
+                        count += self._states.is_new(arrived.t_boot, self.link.clock.restarts)
         for _, text in self.link.texts:
             self.notes.append(f"vehicle: {text}")
         self.link.texts.clear()
         self._late = late
         self.preparation.restored()
-        self._counted(count, now)
+        self._states.add(count, now)
         return state, answer, count
-
-    def _is_new(self, t_boot: float) -> bool:
-        """Whether a stamp lies after all others of this vehicle's clock; one that comes again counts for nothing."""
-        clock = self.link.clock
-        if t_boot <= self._newest[1] and clock.restarts == self._newest[0]:
-            return False
-        self._newest = (clock.restarts, t_boot)
-        return True
-
-    def _counted(self, count: int, now: float) -> None:
-        """Measure how many states arrive in a second."""
-        if count and not self.states:
-            self._counted_at = now
-        self.states += count
-        self._count += count
-        passed = now - self._counted_at
-        if self.states and passed >= (RATE_FIRST if self._rate is None else RATE_OVER):
-            self._rate = self._count / passed
-            self._count, self._counted_at = 0, now
 
     def on_timer(self, now: float) -> None:
         """Do what is due."""
@@ -290,7 +234,7 @@ class Conductor:
             answer,
             self._stop,
             self.link.round_trip,
-            self._rate,
+            self._states.rate,
             behind,
             self.link.companions(now),
             self.ground.speed_scale,
@@ -349,7 +293,4 @@ class Conductor:
     def _answer(self, command: requests.Command, result: int) -> Answer | None:
         if self.payload.answered(command, result):
             return None
-        for request, known in COMMANDS.items():
-            if known == command and result in range(len(Reply)):
-                return Answer(request, Reply(result))
-        return None
+        return answer_to(command, result)

@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from companion import pilot
-from companion.daemon.conductor import COMMANDS, Conductor
+from companion.daemon.asked_of_vehicle import COMMANDS
+from companion.daemon.conductor import Conductor
 from companion.flight.asking import Asking, asked
 from companion.flight.conduct import ControlAuthority
 from companion.flight.phases import Phase, Request

@@ -10,55 +10,39 @@ import math
 from typing import NamedTuple
 
 from companion.flight import conditions, safety
-from companion.flight.asking import asked, begun
-from companion.flight.bench import lacking, looked
+from companion.flight.asking import asked
+from companion.flight.bench import looked
 from companion.flight.conduct import ControlAuthority
-from companion.flight.guards import STREAM_FIRST, decide
+from companion.flight.guards import STREAM_FIRST
 from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.errors import LawError
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
-from companion.pilot.inputs import missing_now, safety_inputs, situation
+from companion.pilot.inputs import safety_inputs
 from companion.pilot.intake import compared, take_in
 from companion.pilot.lift import followed
-from companion.pilot.memory import OWN_MODE, First, Memory, Missing, Observation, Outcome, Progress, StateWatch
+from companion.pilot.memory import First, Memory, Observation, Outcome, Progress, StateWatch
 from companion.pilot.payload import due
 from companion.pilot.targets import (
-    JOIN_WITHIN,
-    beginning,
     chosen,
-    end,
-    here,
-    join,
     neutral,
-    on_path,
     scaled,
     trimmed,
     turning,
 )
+from companion.pilot.transitions import SEARCH_ANEW, Moment, change_phase, tell_missing
 from companion.plan import Plan
-from companion.steering.steering import At, Steered
-from companion.vehicle import KnownStatus, Landed, Mode, Setpoint, VehicleState, VehicleStatus
+from companion.steering.steering import Steered
+from companion.vehicle import Landed, Mode, Setpoint, VehicleState, VehicleStatus
 
 DT_MAX = 0.1
 """s; a longer gap between two stamps is integrated as this much."""
-MISSING_TOLD_AFTER = 3.0
-"""s after which what a flight waits for is told."""
 LEVEL_FOR = 0.3
 """s of level setpoints after an abort; then silence, so that the autopilot's own failsafe can act."""
 REACHED_WITHIN = 1.0
 """m from the path at which it counts as reached: from then on the tube around it is watched."""
-SEARCH_ANEW = 0.5
-"""m of an estimator's jump from which on the nearest point is sought on the whole path."""
-
-FAULTS = frozenset({
-    Event.STOP, Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY, Event.STALE, Event.LAW_FAILED,
-    Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED, Event.REFUSED, Event.TIMED_OUT, Event.STATUS_LOST, Event.SILENT,
-    Event.NOT_OURS,
-})  # fmt: skip
-"""The events after which a flight is not completed."""
 
 
 def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, Outcome]:
@@ -127,13 +111,13 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
         memory = memory._replace(since=since)
     moment = Moment(plan, seen, status, verdict, now, [])
     if early is not None:
-        memory = _decided(moment, _after(plan, memory, early))
+        memory = change_phase(moment, _after(plan, memory, early))
         command = Commanded(early.steered.setpoint, early.steered, early.ramp)
     else:
-        memory = _decided(moment, memory)
+        memory = change_phase(moment, memory)
         memory, command = _commanded(moment, memory, fresh)
     if memory.phase is Phase.PREFLIGHT:
-        memory = _told_missing(moment, memory)
+        memory = tell_missing(moment, memory)
     memory, request, sent = _requested(moment, memory)
     actions: tuple[PathAction, ...] = ()
     if fresh:
@@ -151,17 +135,6 @@ def _compared(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> 
     if old is None or steered is None:
         return watch
     return watch._replace(lift=followed(watch.lift, old, state, steered, vehicle.mass, vehicle.gravity, delay))
-
-
-class Moment(NamedTuple):
-    """What does not change within a tick. ``notes`` collects lines for people."""
-
-    plan: Plan
-    seen: Observation
-    status: KnownStatus
-    verdict: safety.Verdict
-    now: float
-    notes: list[str]
 
 
 class Commanded(NamedTuple):
@@ -188,7 +161,7 @@ def _commanded(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Com
             setpoint = None if memory.phase is Phase.REHEARSE else law.steered.setpoint
             command = Commanded(setpoint, law.steered, law.ramp)
         except LawError as error:
-            memory = _decided(moment, memory, str(error))
+            memory = change_phase(moment, memory, str(error))
     elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None and status.mode is not None:
         command = Commanded(neutral(plan, memory.state, status.landed is not Landed.IN_AIR))
     if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR:
@@ -212,72 +185,6 @@ def _progressed(plan: Plan, memory: Memory, state: VehicleState) -> Memory:
     progress = Progress(s, moved if known is None else known.travelled + moved, distance)
     reached = memory.reached or (memory.phase is Phase.FOLLOW and distance < REACHED_WITHIN)
     return memory._replace(progress=progress, reached=reached)
-
-
-def _decided(moment: Moment, memory: Memory, law_error: str | None = None) -> Memory:
-    """The memory after every change of phase that this moment brings."""
-    plan, seen, status, verdict, now, notes = moment
-    while True:
-        decision = decide(situation(plan, memory, seen, status, verdict, now, law_error))
-        if decision is None:
-            return memory
-        phase, event, reason = decision
-        notes.append(f"{memory.phase.value} -> {phase.value}: {reason}")
-        if phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
-            notes.append(f"tilt the vehicle by hand, 15 degrees to every side: {lacking(memory.shown)}")
-        memory = _entered(moment, memory, phase, event, reason)
-
-
-def _entered(moment: Moment, memory: Memory, phase: Phase, event: Event, reason: str) -> Memory:
-    plan, status = moment.plan, moment.status
-    came_from = memory.phase
-    if memory.first_fault is None and event in FAULTS:
-        advice = moment.verdict.advice if event in (Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED) else None
-        memory = memory._replace(first_fault=reason, fault_event=event, advice=advice)
-    request = PHASES[phase].request if plan.conduct.authority is ControlAuthority.COMPANION else None
-    asking = begun(request, memory.asking, status)
-    memory = memory._replace(
-        phase=phase,
-        entered=moment.now,
-        asking=asking,
-        answer=memory.answer if asking is not None and asking is memory.asking else None,
-        decided_in=memory.decided_in if request is None else status.mode,
-        last_event=event,
-        # OFFBOARD seen while taking over counts: following begins in it
-        mode_seen=memory.mode_seen and OWN_MODE.get(phase) is OWN_MODE.get(came_from),
-        from_ground=memory.from_ground or event is Event.READY_ON_GROUND,
-        finished=memory.finished or event is Event.FINISHED,
-    )
-    state = memory.state
-    if state is None:
-        return memory
-    if phase is Phase.FOLLOW:
-        memory = memory._replace(leg_from=state.t_boot, reached=plan.conduct.at_once, aim=None)
-        if memory.payload is not None:
-            memory = memory._replace(payload=None, payload_sent=memory.payload.sent)
-        if event is Event.TURNED:
-            return memory._replace(leg=-memory.leg, legs=memory.legs + 1)
-        if event is Event.JOINED and not plan.table.closed and not plan.conduct.at_once:
-            # at its beginning, even where another part of the path is near: its end, or a crossing
-            s, distance = plan.table.nearest(state.p_n, beginning(plan, memory.leg), SEARCH_ANEW + JOIN_WITHIN)
-            memory = memory._replace(progress=Progress(s, 0.0, distance))
-        return memory._replace(follow_from=state.t_boot if memory.follow_from is None else memory.follow_from)
-    if phase is Phase.STAND_BY:
-        return memory._replace(steering=None, steered=None, steered_at=None, aim=None, leg=1.0, legs=0)
-    return memory._replace(aim=_aim(plan, memory, phase, state))
-
-
-def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | None:
-    """The point that is held or gone to from now on; None to go on along the path."""
-    if phase in (Phase.JOIN, Phase.REHEARSE):
-        return join(plan, state, memory.leg)
-    if phase is Phase.REST:
-        return on_path(plan, end(plan, memory.leg))
-    if phase is Phase.HAND_BACK and plan.conduct.authority is not ControlAuthority.PILOT:
-        return memory.aim
-    if phase in (Phase.TAKE_OVER, Phase.HAND_BACK) or memory.aim is None:
-        return here(plan, state)
-    return memory.aim
 
 
 def _after(plan: Plan, memory: Memory, asked: First) -> Memory:
@@ -315,20 +222,6 @@ def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
     if told is not None:
         notes.append(told)
     return memory._replace(shown=shown)
-
-
-def _told_missing(moment: Moment, memory: Memory) -> Memory:
-    """Before the flight: what it lacks is told when it has for a while, and again when that changes."""
-    plan, seen, status, _, now, notes = moment
-    lacks = missing_now(plan, memory, seen, status, now)
-    words = "" if lacks is None else "".join(letter for letter in lacks if not letter.isdigit())
-    known = memory.missing
-    if known is None or known.words != words:
-        return memory._replace(missing=Missing(words, now))
-    if known.told or lacks is None or now - known.since < MISSING_TOLD_AFTER:
-        return memory
-    notes.append(f"waiting: {lacks}")
-    return memory._replace(missing=known._replace(told=True))
 
 
 def _requested(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, bool]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from companion.cli.finish import NO_VEHICLE, Ended, Ending, finish
-from companion.daemon.conductor import COMMANDS
+from companion.daemon.asked_of_vehicle import COMMANDS
 from companion.flight.phases import Phase, Request
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message

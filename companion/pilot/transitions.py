@@ -1,0 +1,121 @@
+"""What a moment changes of the phase, and what is remembered of it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from companion.flight import safety
+from companion.flight.asking import begun
+from companion.flight.bench import lacking
+from companion.flight.conduct import ControlAuthority
+from companion.flight.guards import decide
+from companion.flight.phases import PHASES, Event, Phase
+from companion.pilot.inputs import missing_now, situation
+from companion.pilot.memory import OWN_MODE, Memory, Missing, Observation, Progress
+from companion.pilot.targets import JOIN_WITHIN, beginning, end, here, join, on_path
+from companion.plan import Plan
+from companion.steering.steering import At
+from companion.vehicle import KnownStatus, VehicleState
+
+MISSING_TOLD_AFTER = 3.0
+"""s after which what a flight waits for is told."""
+SEARCH_ANEW = 0.5
+"""m of an estimator's jump from which on the nearest point is sought on the whole path."""
+
+FAULTS = frozenset({
+    Event.STOP, Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY, Event.STALE, Event.LAW_FAILED,
+    Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED, Event.REFUSED, Event.TIMED_OUT, Event.STATUS_LOST, Event.SILENT,
+    Event.NOT_OURS,
+})  # fmt: skip
+"""The events after which a flight is not completed."""
+
+
+class Moment(NamedTuple):
+    """What does not change within a tick. ``notes`` collects lines for people."""
+
+    plan: Plan
+    seen: Observation
+    status: KnownStatus
+    verdict: safety.Verdict
+    now: float
+    notes: list[str]
+
+
+def change_phase(moment: Moment, memory: Memory, law_error: str | None = None) -> Memory:
+    """The memory after every change of phase that this moment brings."""
+    plan, seen, status, verdict, now, notes = moment
+    while True:
+        decision = decide(situation(plan, memory, seen, status, verdict, now, law_error))
+        if decision is None:
+            return memory
+        phase, event, reason = decision
+        notes.append(f"{memory.phase.value} -> {phase.value}: {reason}")
+        if phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
+            notes.append(f"tilt the vehicle by hand, 15 degrees to every side: {lacking(memory.shown)}")
+        memory = _entered(moment, memory, phase, event, reason)
+
+
+def _entered(moment: Moment, memory: Memory, phase: Phase, event: Event, reason: str) -> Memory:
+    plan, status = moment.plan, moment.status
+    came_from = memory.phase
+    if memory.first_fault is None and event in FAULTS:
+        advice = moment.verdict.advice if event in (Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED) else None
+        memory = memory._replace(first_fault=reason, fault_event=event, advice=advice)
+    request = PHASES[phase].request if plan.conduct.authority is ControlAuthority.COMPANION else None
+    asking = begun(request, memory.asking, status)
+    memory = memory._replace(
+        phase=phase,
+        entered=moment.now,
+        asking=asking,
+        answer=memory.answer if asking is not None and asking is memory.asking else None,
+        decided_in=memory.decided_in if request is None else status.mode,
+        last_event=event,
+        # OFFBOARD seen while taking over counts: following begins in it
+        mode_seen=memory.mode_seen and OWN_MODE.get(phase) is OWN_MODE.get(came_from),
+        from_ground=memory.from_ground or event is Event.READY_ON_GROUND,
+        finished=memory.finished or event is Event.FINISHED,
+    )
+    state = memory.state
+    if state is None:
+        return memory
+    if phase is Phase.FOLLOW:
+        memory = memory._replace(leg_from=state.t_boot, reached=plan.conduct.at_once, aim=None)
+        if memory.payload is not None:
+            memory = memory._replace(payload=None, payload_sent=memory.payload.sent)
+        if event is Event.TURNED:
+            return memory._replace(leg=-memory.leg, legs=memory.legs + 1)
+        if event is Event.JOINED and not plan.table.closed and not plan.conduct.at_once:
+            # at its beginning, even where another part of the path is near: its end, or a crossing
+            s, distance = plan.table.nearest(state.p_n, beginning(plan, memory.leg), SEARCH_ANEW + JOIN_WITHIN)
+            memory = memory._replace(progress=Progress(s, 0.0, distance))
+        return memory._replace(follow_from=state.t_boot if memory.follow_from is None else memory.follow_from)
+    if phase is Phase.STAND_BY:
+        return memory._replace(steering=None, steered=None, steered_at=None, aim=None, leg=1.0, legs=0)
+    return memory._replace(aim=_aim(plan, memory, phase, state))
+
+
+def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | None:
+    """The point that is held or gone to from now on; None to go on along the path."""
+    if phase in (Phase.JOIN, Phase.REHEARSE):
+        return join(plan, state, memory.leg)
+    if phase is Phase.REST:
+        return on_path(plan, end(plan, memory.leg))
+    if phase is Phase.HAND_BACK and plan.conduct.authority is not ControlAuthority.PILOT:
+        return memory.aim
+    if phase in (Phase.TAKE_OVER, Phase.HAND_BACK) or memory.aim is None:
+        return here(plan, state)
+    return memory.aim
+
+
+def tell_missing(moment: Moment, memory: Memory) -> Memory:
+    """Before the flight: what it lacks is told when it has for a while, and again when that changes."""
+    plan, seen, status, _, now, notes = moment
+    lacks = missing_now(plan, memory, seen, status, now)
+    words = "" if lacks is None else "".join(letter for letter in lacks if not letter.isdigit())
+    known = memory.missing
+    if known is None or known.words != words:
+        return memory._replace(missing=Missing(words, now))
+    if known.told or lacks is None or now - known.since < MISSING_TOLD_AFTER:
+        return memory
+    notes.append(f"waiting: {lacks}")
+    return memory._replace(missing=known._replace(told=True))
