@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from companion.flight.conditions import missing_estimate
+from companion.flight.conditions import LINK_DELAY_MAX, missing_estimate
 from companion.flight.conduct import ControlAuthority, Finish, Limits
 from companion.vehicle import KnownStatus, Landed
 
-LINK_DELAY_MAX = 0.1
-"""s each way (issue 11): beyond it the law leans too far."""
 STATE_GONE = 0.5
 """s without a new state before the flight (engineering choice)."""
 PACE_MIN, PACE_MAX = 0.3, 5.0
@@ -23,7 +21,8 @@ RATE_WANTED = 20.0
 class Standing(NamedTuple):
     """What is known before a flight. ``rate``: Hz of states, None until measured. ``has_state``: one has arrived,
     ``state_age`` s ago. ``clock_pace``: s of the vehicle's clock a second of ours, None until
-    measured. ``link_delay``: s, there and back; None until measured."""
+    measured. ``link_delay``: s, there and back; None until measured;
+    ``link_delay_max``: s of it at most, at the level that is flown."""
 
     status: KnownStatus
     authority: ControlAuthority
@@ -35,6 +34,7 @@ class Standing(NamedTuple):
     state_age: float | None = 0.0
     clock_pace: float | None = 1.0
     link_delay: float | None = None
+    link_delay_max: float = LINK_DELAY_MAX
 
 
 def _state(s: Standing) -> str | None:
@@ -58,11 +58,11 @@ def _fresh(s: Standing) -> str | None:
 
 
 def _delay(s: Standing) -> str | None:
-    if s.link_delay is None or 0.5 * s.link_delay <= LINK_DELAY_MAX:
+    if s.link_delay is None or s.link_delay <= s.link_delay_max:
         return None
     return (
-        f"a message takes {500.0 * s.link_delay:.0f} ms each way (TIMESYNC), {1e3 * LINK_DELAY_MAX:.0f} ms at most can "
-        "be flown with; use a quicker link"
+        f"a message takes {500.0 * s.link_delay:.0f} ms each way (TIMESYNC), {500.0 * s.link_delay_max:.0f} ms at most "
+        "can be flown with; use a quicker link"
     )
 
 

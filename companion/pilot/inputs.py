@@ -13,7 +13,7 @@ from companion.frames import tilt
 from companion.pilot.memory import Memory, Observation
 from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining, rests
 from companion.plan import Plan
-from companion.vehicle import KnownStatus, Mode, OutputLevel, RateSetpoint
+from companion.vehicle import KnownStatus, Mode, RateSetpoint
 
 REHEARSED_FOR = 5.0
 """s of rehearsal where no duration is given."""
@@ -58,7 +58,7 @@ def safety_inputs(
         sinking=state.v_n[2],
         pulled_down=None if steered is None or steered.estimates is None else steered.estimates.disturbance[2],
         link_delay=seen.link_delay,
-        link_delay_max=conditions.LATE_AT_MOTORS if plan.level is OutputLevel.MOTORS else conditions.LINK_DELAY_MAX,
+        link_delay_max=conditions.link_delay_max(plan.level),
         jump=watch.jump,
         flagged=watch.flagged,
         same_place=watch.same_place or watch.place_stands,
@@ -144,6 +144,7 @@ def missing_now(plan: Plan, memory: Memory, seen: Observation, status: KnownStat
         None if memory.state_at is None else now - memory.state_at,
         1.0 if conduct.at_once else seen.clock_pace,
         seen.link_delay,
+        conditions.link_delay_max(plan.level),
     ))  # fmt: skip
 
 

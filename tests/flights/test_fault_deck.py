@@ -15,7 +15,6 @@ LONG = 90.0
 """s of the plant: what may take longer is flown by ``python -m bench.faults`` only."""
 NOT_FLOWN = frozenset(
     {
-        "60 ms each way from the start, at motors",
         "attitude frozen but for 1e-6 of noise, joining",
         "attitude frozen but for 1e-3 of noise",
         "the operator's land in hand back",

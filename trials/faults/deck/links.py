@@ -76,7 +76,7 @@ LATER = (
     Case("everything 0.3 s later at once", End.HELD, phase=Phase.FOLLOW, lost_max=2.0,
          events=(LinkDelay(When(2.0), delay=0.3),)),
     Case("60 ms each way from the start", End.FLOWN, link=BOTH_LATE[0.06], levels=LEVELS[:2]),
-    Case("60 ms each way from the start, at motors", End.REFUSED, or_end=(End.FLOWN, End.HELD), link=BOTH_LATE[0.06],
+    Case("60 ms each way from the start, at motors", End.REFUSED, link=BOTH_LATE[0.06],
          levels=LEVELS[2:]),
     Case("120 ms each way from the start", End.REFUSED, "ms|late|delay|s each way", link=BOTH_LATE[0.12]),
     Case("120 ms each way from the start, on the ground", End.REFUSED, "ms|late|delay|s each way",
