@@ -13,6 +13,7 @@ from companion.config.mission.mission import mission_from
 from companion.config.syntax.document import parse
 from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.report import Report, check
+from companion.flight.conduct import Conduct
 from companion.flight.phases import Phase
 from companion.frames import Vec3, rotation_matrix, tilt, wrap
 from companion.library.lockstep import fly
@@ -145,8 +146,9 @@ def flown(report: Report, level: OutputLevel, settle: float = SETTLE, laps: floa
     bridge = Bridge(vehicle, World(), seed=0, direct=direct, start=start_of(mission), endpoints=1)
     duration = settle + laps * report.duration
     orders = Orders(
-        dataclasses.replace(mission, laps=None), vehicle, level, duration, Origin.LOCAL, set_parameters=True
-    )
+        dataclasses.replace(mission, laps=None), vehicle, level, duration, Origin.LOCAL, set_parameters=True,
+        conduct=Conduct(at_once=mission.start is not None),
+    )  # fmt: skip
     conductor = Conductor(orders, None, bridge.now)
     rows: list[tuple[float, ...]] = []
     errors: list[tuple[float, float, float]] = []

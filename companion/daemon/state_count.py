@@ -28,12 +28,15 @@ class StateCount:
         return True
 
     def add(self, count: int, now: float) -> None:
-        """So many new states by ``now`` (s)."""
-        if count and not self.total:
-            self.begun_at = now
+        """So many new states by ``now`` (s). Measured from a state to a state, so that few are counted right too."""
+        if not count:
+            return
+        if not self.total:
+            self.begun_at, self.total = now, count
+            return
         self.total += count
         self._since += count
         passed = now - self.begun_at
-        if self.total and passed >= (RATE_FIRST if self.rate is None else RATE_OVER):
+        if passed >= (RATE_FIRST if self.rate is None else RATE_OVER):
             self.rate = self._since / passed
             self._since, self.begun_at = 0, now

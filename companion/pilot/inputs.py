@@ -21,8 +21,9 @@ RESTS_FOR = 4.0
 """s of holding the place after which the thrust is known well enough, whatever its variance (engineering choice)."""
 LIFT_WATCHED = (Phase.JOIN, Phase.FOLLOW, Phase.REST)
 """The phases in which the thrust that comes is held against what is commanded."""
-FOLLOWS_FOR = 0.8
-"""s after it said OFFBOARD that a vehicle is taken to follow what is commanded: PX4 says its mode every 0.5 s."""
+FOLLOWS_FOR = 0.6
+"""s after its CURRENT_MODE said OFFBOARD that a vehicle is taken to follow what is commanded: PX4 sends one every 0.5 s
+and on change. A HEARTBEAT is too old a word: who lands meanwhile would be told that his thrust does not answer."""
 LIFT_AFTER, LIFT_AFTER_AT_ONCE = 0.3, 4.0
 """s that the thrust was followed before it is judged: after settling, and where nothing was (engineering choice)."""
 STILL = 0.15
@@ -70,16 +71,17 @@ def safety_inputs(
         rate=seen.rate,
         gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
         companions=seen.companions,
-        lift_asked=watch.lift.asked if _lift_counts(plan, memory, status) else 0.0,
+        lift_asked=watch.lift.asked if _lift_counts(plan, memory, seen, status, now) else 0.0,
         lift_made=watch.lift.made,
     )
 
 
-def _lift_counts(plan: Plan, memory: Memory, status: KnownStatus) -> bool:
+def _lift_counts(plan: Plan, memory: Memory, seen: Observation, status: KnownStatus, now: float) -> bool:
     """Whether the thrust that comes can be held against what is commanded: the vehicle follows commands, as far as it
     has just said; and it did for long enough that the scale of its thrust is known."""
     known = memory.watch.lift.known > (LIFT_AFTER_AT_ONCE if plan.conduct.at_once else LIFT_AFTER)
-    follows = status.mode is Mode.OFFBOARD and status.mode_age < FOLLOWS_FOR
+    intended = seen.status.intended  # only CURRENT_MODE says it
+    follows = status.mode is Mode.OFFBOARD and intended is not None and now - intended.at < FOLLOWS_FOR
     return known and follows and memory.phase in LIFT_WATCHED
 
 

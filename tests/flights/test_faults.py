@@ -446,7 +446,8 @@ def test_the_rate_loop_does_not_answer(level: OutputLevel) -> None:
     assert "motors and propellers" in watched.said
     assert watched.mode is Mode.HOLD
     assert watched.lowest > FLOOR
-    assert max(error for _, error in watched.flown.path_errors) < 1.0
+    # which lean is held is chance; held for good, it takes the vehicle off by the square of the time until it is told
+    assert max(error for _, error in watched.flown.path_errors) < 1.3
 
 
 def test_a_motor_loses_a_third_of_its_thrust_and_nobody_makes_up_for_it() -> None:
