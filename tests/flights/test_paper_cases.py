@@ -59,11 +59,17 @@ def test_circle_on_an_x500_with_motor_lag_and_drag(tmp_path: Path) -> None:
     assert figures["schema"] == "companion.flight/1"
     assert figures["outcome"] == "completed"
     assert figures["loop"]["latency_us"] is None
-    assert [phase["phase"] for phase in figures["phases"]] == ["take over", "follow", "hand back", "done"]
+    assert [phase["phase"] for phase in figures["phases"]] == [
+        "preflight",
+        "take over",
+        "follow",
+        "hand back",
+        "done",  # until the rate of states is known
+    ]
     folder = tmp_path / "flight"
     assert {p.name for p in folder.iterdir()} == {
         "flight.npy", "link.tlog", "mission.yaml", "notes.txt", "resolved.json", "summary.json", "truth.npy",
-        "vehicle.yaml",
+        "vehicle.yaml", "world.yaml",
     }  # fmt: skip
     assert json.loads((folder / "summary.json").read_text()) == figures
     done = companion("replay", "flight", cwd=tmp_path)
@@ -137,7 +143,8 @@ gains: {{h1: {gains["k1"]}, h2: {gains["k2"]}, h3: {gains["k3"]}, h4: {gains["k4
     lines = [json.dumps({"chi": case["chi"]}) for case in cases]
     bad = [json.dumps({"chi": [0.0] * 14}), "{", json.dumps({"chi": [1, 2]})]
     done = companion("law", "m.yaml", "--vehicle", "v.yaml", cwd=tmp_path, stdin="\n".join([*lines, *bad]))
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 2  # two lines are no states; the others were answered all the same
+    assert [line.split(":")[0] for line in done.stderr.splitlines()] == [f"line {len(lines) + n}" for n in (1, 2, 3)]
     answers = [json.loads(line) for line in done.stdout.splitlines()]
     for case, answer in zip(cases, answers, strict=False):
         for key in ("xi", "b", "ubar"):
