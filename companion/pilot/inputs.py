@@ -40,6 +40,7 @@ def safety_inputs(
     x, y, z = state.p_n
     fence, home = plan.mission.fence_n, limits.home
     steered = memory.steered if memory.phase in FLOWN else None
+    follows = _follows(seen, status, now)
     asked = None if steered is None else steered.setpoint
     return conditions.SafetyInputs(
         status=status,
@@ -55,7 +56,7 @@ def safety_inputs(
         turning=math.hypot(*state.w_b),
         still=math.hypot(*state.v_n) < STILL and math.hypot(*state.w_b) < STILL,
         saturated=steered is not None and steered.saturated,
-        thrust_share=0.0 if steered is None else steered.thrust_share,
+        thrust_share=0.0 if steered is None or not follows else steered.thrust_share,
         sinking=state.v_n[2],
         pulled_down=None if steered is None or steered.estimates is None else steered.estimates.disturbance[2],
         link_delay=seen.link_delay,
@@ -71,18 +72,21 @@ def safety_inputs(
         rate=seen.rate,
         gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
         companions=seen.companions,
-        lift_asked=watch.lift.asked if _lift_counts(plan, memory, seen, status, now) else 0.0,
+        lift_asked=watch.lift.asked if follows and _lift_known(plan, memory) else 0.0,
         lift_made=watch.lift.made,
     )
 
 
-def _lift_counts(plan: Plan, memory: Memory, seen: Observation, status: KnownStatus, now: float) -> bool:
-    """Whether the thrust that comes can be held against what is commanded: the vehicle follows commands, as far as it
-    has just said; and it did for long enough that the scale of its thrust is known."""
-    known = memory.watch.lift.known > (LIFT_AFTER_AT_ONCE if plan.conduct.at_once else LIFT_AFTER)
+def _follows(seen: Observation, status: KnownStatus, now: float) -> bool:
+    """Whether the vehicle follows what is commanded, as far as it has just said."""
     intended = seen.status.intended  # only CURRENT_MODE says it
-    follows = status.mode is Mode.OFFBOARD and intended is not None and now - intended.at < FOLLOWS_FOR
-    return known and follows and memory.phase in LIFT_WATCHED
+    return status.mode is Mode.OFFBOARD and intended is not None and now - intended.at < FOLLOWS_FOR
+
+
+def _lift_known(plan: Plan, memory: Memory) -> bool:
+    """Whether the thrust was followed for long enough that its scale is known, and is to be judged in this phase."""
+    known = memory.watch.lift.known > (LIFT_AFTER_AT_ONCE if plan.conduct.at_once else LIFT_AFTER)
+    return known and memory.phase in LIFT_WATCHED
 
 
 def situation(

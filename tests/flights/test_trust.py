@@ -167,7 +167,7 @@ def test_a_delay_that_grows_ends_in_hold_while_it_still_flies(level: OutputLevel
         flown.between.down = Later(lambda now: max(0.0, 0.1 * (now - AT)))
 
     flown = flight(level=level, duration=20.0, prepare=prepare, meddle=worst)
-    assert "late" in said(flown)
+    assert "late" in said(flown) or "there and back, more than 0.1 s" in said(flown)  # at motors that comes first
     assert worst.tilt < 45.0
     assert worst.lowest > 8.0
     assert flown.between.bridge.autopilot.commander.mode is Mode.HOLD
