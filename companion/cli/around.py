@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 
-from companion.cli.finish import FAILED, NO_VEHICLE, Ending, refuse
+from companion.cli.finish import FAILED, INTERRUPTED, NO_VEHICLE, Ending, refuse
 from companion.cli.terminal import warn
 from companion.daemon.conductor import Conductor
 from companion.daemon.last_resort import told
-from companion.daemon.loop import clock
+from companion.daemon.loop import NoVehicleError, clock
 from companion.daemon.signals import Signals
 from companion.daemon.whereabouts import whereabouts
 from companion.library.orders import Sortie
 from companion.record.circumstances import Simulated
 from companion.record.folder import Recorder
+from companion.vehicle import CompanionError
 
 
 def begin_record(directory: Path, sortie: Sortie, epoch: float, simulated: Simulated | None = None) -> Recorder:
@@ -62,3 +64,20 @@ def failed(error: Exception, recorder: Recorder, ending: Ending) -> int:
     refuse(sentence, ending.json)
     warn(sentence)
     return FAILED
+
+
+def exit_code_of(fly: Callable[[], int], recorder: Recorder, ending: Ending) -> int:
+    """What ``fly`` returns; or where it raises, the exit code of that. The record of what never flew is removed."""
+    try:
+        return fly()
+    except NoVehicleError as error:
+        recorder.discard()
+        return no_vehicle(str(error), ending)
+    except KeyboardInterrupt:  # before anything flew
+        recorder.discard()
+        return INTERRUPTED
+    except CompanionError:
+        recorder.discard()
+        raise
+    except Exception as error:
+        return failed(error, recorder, ending)

@@ -7,14 +7,14 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from companion.cli.around import begin_record, failed, listen_to, no_vehicle
-from companion.cli.finish import INTERRUPTED, Ended, Ending, finish
+from companion.cli.around import begin_record, exit_code_of, listen_to
+from companion.cli.finish import Ended, Ending, finish
 from companion.cli.output import WhoStarts
 from companion.cli.terminal import say
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.forwarding import Endpoint
 from companion.daemon.last_resort import told
-from companion.daemon.loop import NoVehicleError, clock, run
+from companion.daemon.loop import clock, run
 from companion.daemon.port import Port
 from companion.daemon.signals import Signals, ending_signals
 from companion.daemon.signing_files import signing_with
@@ -94,19 +94,7 @@ def fly(flight: Flight, port: Port) -> int:
                 "there can pose as the vehicle; listen on 127.0.0.1, or sign (companion vehicle sign)"
             )
         recorder = begin_record(flight.directory, flight.sortie, time.time() - clock())
-        try:
-            return _flown(flight, port, recorder, signals, signing)
-        except NoVehicleError as error:
-            recorder.discard()
-            return no_vehicle(str(error), flight.ending)
-        except KeyboardInterrupt:  # before anything flew
-            recorder.discard()
-            return INTERRUPTED
-        except CompanionError:
-            recorder.discard()
-            raise
-        except Exception as error:
-            return failed(error, recorder, flight.ending)
+        return exit_code_of(lambda: _flown(flight, port, recorder, signals, signing), recorder, flight.ending)
 
 
 def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals, signing: Signing | None) -> int:

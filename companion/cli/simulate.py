@@ -12,19 +12,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from companion.cli.around import begin_record, failed, listen_to, no_vehicle
-from companion.cli.finish import INTERRUPTED, Ended, Ending, finish
+from companion.cli.around import begin_record, exit_code_of, listen_to
+from companion.cli.finish import Ended, Ending, finish
 from companion.cli.story import Story
 from companion.cli.terminal import is_verbose, say, warn
 from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor
-from companion.daemon.loop import NoVehicleError, clock, run
+from companion.daemon.loop import clock, run
 from companion.daemon.progress import Watch
 from companion.daemon.signals import Signals, ending_signals
 from companion.library import simulation as simulation_of
 from companion.library.simulation import SIMULATED_FLUSH, SimulatedFlight, at_home, orders_of, start_of
 from companion.record.folder import Recorder
-from companion.vehicle import CompanionError, OutputLevel
+from companion.vehicle import OutputLevel
 
 SIMULATED_PROGRESS, VERBOSE_PROGRESS = 5.0, 1.0
 """s of simulated time between two lines of progress."""
@@ -46,16 +46,7 @@ def in_lockstep(simulation: Simulation) -> int:
     """Fly in one process under a simulated clock; the exit code."""
     with ending_signals(say) as signals:
         recorder = begin_record(simulation.directory, simulation.sortie, 0.0, simulation.simulated)
-        try:
-            return _in_lockstep(simulation, recorder, signals)
-        except KeyboardInterrupt:  # before anything flew
-            recorder.discard()
-            return INTERRUPTED
-        except CompanionError:
-            recorder.discard()
-            raise
-        except Exception as error:
-            return failed(error, recorder, simulation.ending)
+        return exit_code_of(lambda: _in_lockstep(simulation, recorder, signals), recorder, simulation.ending)
 
 
 def _in_lockstep(simulation: Simulation, recorder: Recorder, signals: Signals) -> int:
@@ -102,31 +93,23 @@ def over_udp(simulation: Simulation) -> int:
     port = UdpPort("127.0.0.1", 0, listen=True)
     with contextlib.closing(port), ending_signals(say) as signals:
         recorder = begin_record(simulation.directory, simulation.sortie, time.time() - clock(), simulation.simulated)
-        try:
-            conductor = Conductor(orders_of(simulation), recorder, clock())
-            # a session of its own: Ctrl-C must not take the vehicle away before it has been handed back
-            plant = subprocess.Popen(_plant_command(simulation, recorder, port), start_new_session=True)
-            listen_to(signals, conductor, recorder)
-            signals.at_once.insert(0, plant.kill)
-            teller = _Teller(_story(simulation), conductor)
-            teller.start()
-            try:
-                failure = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
-            finally:
-                teller.finish()
-                _end(plant)
-            return finish(conductor, recorder, simulation.ending, Ended(clock(), bool(signals.came), failure))
-        except NoVehicleError as error:
-            recorder.discard()
-            return no_vehicle(str(error), simulation.ending)
-        except KeyboardInterrupt:  # before anything flew
-            recorder.discard()
-            return INTERRUPTED
-        except CompanionError:
-            recorder.discard()
-            raise
-        except Exception as error:
-            return failed(error, recorder, simulation.ending)
+        return exit_code_of(lambda: _over_udp(simulation, port, recorder, signals), recorder, simulation.ending)
+
+
+def _over_udp(simulation: Simulation, port: UdpPort, recorder: Recorder, signals: Signals) -> int:
+    conductor = Conductor(orders_of(simulation), recorder, clock())
+    # a session of its own: Ctrl-C must not take the vehicle away before it has been handed back
+    plant = subprocess.Popen(_plant_command(simulation, recorder, port), start_new_session=True)
+    listen_to(signals, conductor, recorder)
+    signals.at_once.insert(0, plant.kill)
+    teller = _Teller(_story(simulation), conductor)
+    teller.start()
+    try:
+        failure = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
+    finally:
+        teller.finish()
+        _end(plant)
+    return finish(conductor, recorder, simulation.ending, Ended(clock(), bool(signals.came), failure))
 
 
 def _plant_command(simulation: Simulation, recorder: Recorder, port: UdpPort) -> list[str]:

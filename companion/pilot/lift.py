@@ -34,7 +34,7 @@ class Lift(NamedTuple):
 NO_LIFT = Lift()
 
 
-def followed(
+def update_lift(
     lift: Lift, old: VehicleState, new: VehicleState, steered: Steered, mass: float, gravity: float, delay: float
 ) -> Lift:
     """``lift`` after another state. ``steered``: the command before it. ``delay``: s, of the link there and back."""

@@ -22,7 +22,7 @@ from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
 from companion.pilot.inputs import safety_inputs
 from companion.pilot.intake import compared, take_in
-from companion.pilot.lift import followed
+from companion.pilot.lift import update_lift
 from companion.pilot.memory import First, Memory, Observation, Outcome, Progress, StateWatch
 from companion.pilot.payload import due
 from companion.pilot.targets import (
@@ -134,7 +134,7 @@ def _compared(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> 
     watch = compared(memory.watch, state)
     if old is None or steered is None:
         return watch
-    return watch._replace(lift=followed(watch.lift, old, state, steered, vehicle.mass, vehicle.gravity, delay))
+    return watch._replace(lift=update_lift(watch.lift, old, state, steered, vehicle.mass, vehicle.gravity, delay))
 
 
 class Commanded(NamedTuple):
