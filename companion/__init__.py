@@ -37,10 +37,10 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     steering     state -> setpoint, one file an output level         flight      phases, guards: the state machine
     plan         a mission made ready to fly                         pilot       one tick
     world        what a simulated world is                           mavlink     the wire
-    config       files people write -> values                        record      the evidence, and what is made of it
-    daemon       the only sockets and clocks                         services    MAVSDK, off the control path
-    library      what Python and the commands offer alike            watch       the live page, a process of its own
-    study        many flights, and how many of them pass
+    config       files people write -> values                        xrce        PX4's topics, to its XRCE client
+    daemon       the only sockets and clocks                         record      the evidence, and what is made of it
+    library      what Python and the commands offer alike            services    MAVSDK, off the control path
+    study        many flights, and how many of them pass             watch       the live page, a process of its own
     cli          the commands
 
 The vehicle's software stand-in is its own package, ``sim_bridge``, with its own derivation of the physics.

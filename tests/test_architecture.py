@@ -34,6 +34,7 @@ MAY_IMPORT: dict[str, str] = {
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "pilot": "frames vehicle law paths mission steering flight plan",
     "mavlink": "frames vehicle plain_text mavlink_common",
+    "xrce": "vehicle",
     # mavlink: world files name messages
     "config": "plain_text mavlink_common frames fence geodesy plans calculus vehicle world paths profiles law mission "
     "mavlink",
@@ -47,7 +48,7 @@ MAY_IMPORT: dict[str, str] = {
     "study": "vehicle config record library",
     "cli": "*",
 }
-SIM_BRIDGE = {"plain_text", "mavlink_common", "frames", "geodesy", "vehicle", "world", "mavlink"}
+SIM_BRIDGE = {"plain_text", "mavlink_common", "frames", "geodesy", "vehicle", "world", "mavlink", "xrce"}
 SIM_BRIDGE_SHELL = {"sim_bridge/__main__.py", "sim_bridge/server.py"}
 IMPURE = {"socket", "select", "time", "signal", "threading", "random", "subprocess", "os", "termios", "gc"}
 MAY_BE_IMPURE = {"daemon", "config", "record", "services", "watch", "library", "study", "cli"}

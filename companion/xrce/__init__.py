@@ -1,0 +1,7 @@
+"""DDS-XRCE as the agent that PX4's ``uxrce_dds_client`` connects to, without sockets or clocks, without DDS or ROS.
+
+messages    what holds a session together, one value each, with its bytes
+objects     what a client makes, asks for and publishes, likewise
+wire        bytes <-> messages of such values
+topics      samples of PX4's topics: layout and MESSAGE_VERSION
+"""
