@@ -3,5 +3,7 @@
 messages    what holds a session together, one value each, with its bytes
 objects     what a client makes, asks for and publishes, likewise
 wire        bytes <-> messages of such values
+reliable    streams on which each message comes once and in order
+agent       the conversation with one client
 topics      samples of PX4's topics: layout and MESSAGE_VERSION
 """
