@@ -33,7 +33,7 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     places       what a mission counts from -> the local frame       fence       where a vehicle may be
     plans        what ground stations write                          mavlink_common  MAV_CMD_*, MAV_RESULT, ...: numbers
     allocation   M and M^-1                                          estimation  what the vehicle does not say
-    thrust_range the bounds of the thrust
+    px4_allocation  the same as PX4 does it                          thrust_range  the bounds of the thrust
     steering     state -> setpoint, one file an output level         flight      phases, guards: the state machine
     plan         a mission made ready to fly                         pilot       one tick
     world        what a simulated world is                           mavlink     the wire

@@ -21,6 +21,7 @@ from companion.steering.encoding import AsRates, as_attitude
 from companion.steering.motors import motor_steering
 from companion.steering.speed_governor import Course, course_of
 from companion.steering.steering import Steering
+from companion.steering.torques import torque_steering
 from companion.vehicle import OutputLevel, Tuning, Vehicle
 
 HOVER_THRUST = 0.5
@@ -58,8 +59,8 @@ class Plan:
 
 
 def law_level(level: OutputLevel) -> Level:
-    """The level of the law that an output level needs: attitude is rates, sent another way."""
-    return Level.MOTORS if level is OutputLevel.MOTORS else Level.RATES
+    """The level of the law that an output level needs: attitude is rates, and torques are motors, sent another way."""
+    return Level.MOTORS if level.without_rate_loop else Level.RATES
 
 
 def prepared(
@@ -138,6 +139,8 @@ def _steering(
 ) -> Steering:
     if level is OutputLevel.MOTORS:
         return motor_steering(law, hold, vehicle)
+    if level is OutputLevel.TORQUES:
+        return torque_steering(law, hold, vehicle)
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
     prior = prior_of(learned, hover, vehicle.drag)

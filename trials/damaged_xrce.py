@@ -9,7 +9,7 @@ from companion.xrce.agent import Agent
 from companion.xrce.messages import BEST_EFFORT
 from companion.xrce.topics import LAYOUTS
 
-SESSION_LASTS = 5000
+SESSION_LASTS = 1000
 """Datagrams that one agent takes."""
 
 

@@ -33,7 +33,7 @@ from companion.mavlink_common import MAV_COMP_ID_AUTOPILOT1
 from companion.pilot import Memory, Observation
 from companion.plan import Plan
 from companion.record.folder import Recorder
-from companion.vehicle import Setpoint, VehicleState
+from companion.vehicle import Setpoint, TorqueSetpoint, VehicleState
 
 __all__ = ["Conductor", "Orders", "Tick"]
 
@@ -209,7 +209,7 @@ class Conductor:
 
     def queue(self, setpoint: Setpoint, t_boot: float) -> None:
         """Have a setpoint sent, with the time (s, the vehicle's) of its state."""
-        if self.link.identity is not None:
+        if self.link.identity is not None and not isinstance(setpoint, TorqueSetpoint):
             target = (self.link.identity.system, MAV_COMP_ID_AUTOPILOT1)
             self.link.send(*setpoints.encoded(setpoint, t_boot, *target))
 

@@ -7,6 +7,7 @@ from companion.daemon.conductor import Conductor
 from companion.mavlink import setpoints
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.telemetry import ODOMETRY, WANTED, Telemetry
+from companion.vehicle import TorqueSetpoint
 
 
 class Rehearsal:
@@ -29,5 +30,6 @@ class Rehearsal:
         if early is None:
             pilot.supervise(plan, memory, tick.seen, tick.now, early)
         setpoint = tick.outcome.setpoint if early is None else early.steered.setpoint
-        self._encoder.encode(*setpoints.encoded(setpoint, tick.seen.state.t_boot, 1, 1))
+        if not isinstance(setpoint, TorqueSetpoint):
+            self._encoder.encode(*setpoints.encoded(setpoint, tick.seen.state.t_boot, 1, 1))
         return True

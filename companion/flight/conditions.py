@@ -60,12 +60,13 @@ does it leave its path (engineering choice)."""
 LINK_DELAY_MAX = 0.2
 """s there and back (issue 11: 100 ms each way). Beyond it the law leans too far."""
 LATE_AT_MOTORS = 0.1
-"""s, the same at motors, where no rate loop of the vehicle's own lies between. Simulated: later it tumbles."""
+"""s, the same at motors and torques, where no rate loop of the vehicle's own lies between. Simulated: later it
+tumbles."""
 
 
 def link_delay_max(level: OutputLevel) -> float:
     """s there and back that a message may take, before the flight and in it."""
-    return LATE_AT_MOTORS if level is OutputLevel.MOTORS else LINK_DELAY_MAX
+    return LATE_AT_MOTORS if level.without_rate_loop else LINK_DELAY_MAX
 
 
 class SafetyInputs(NamedTuple):

@@ -10,5 +10,6 @@ class Output(enum.Enum):
 
     AUTO = "auto"
     MOTORS = "motors"
+    TORQUES = "torques"
     RATES = "rates"
     ATTITUDE = "attitude"

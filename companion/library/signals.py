@@ -15,6 +15,7 @@ from companion.law.flight import model_of
 from companion.law.gains import Level, default_gains
 from companion.paths.implicit import ImplicitPath
 from companion.plan import Plan, law_level
+from companion.px4_allocation import Px4Allocation
 from companion.vehicle import CompanionError, OutputLevel
 
 Array = NDArray[np.float64]
@@ -61,13 +62,17 @@ def xi_of(plan: Plan, told: dict[str, Array]) -> Signals:
 
 
 def u_of(plan: Plan, told: dict[str, Array]) -> Signals:
-    """What the vehicle was told. At rates zeta_dot (N/s, before thrust limits), p, q, r (rad/s); at motors zeta (N) and
-    the moments u2, u3, u4 (N m); at attitude the quaternion and the normalised thrust."""
+    """What the vehicle was told. At rates zeta_dot (N/s, before thrust limits), p, q, r (rad/s); at motors and torques
+    zeta (N) and the moments u2, u3, u4 (N m); at attitude the quaternion and the normalised thrust."""
     sent = [told[f"sent_{i}"] for i in range(5)]
     if plan.level is OutputLevel.MOTORS:
         allocation = Allocation(plan.vehicle)
         commands = np.stack(sent[:4], axis=1)
         wrenches = [allocation.wrench((a, b, c, d)) for a, b, c, d in commands.tolist()]
+        return Signals(told["t"], np.array(wrenches).reshape(-1, 4), ("zeta", "u2", "u3", "u4"))
+    if plan.level is OutputLevel.TORQUES:
+        mixer = Px4Allocation(plan.vehicle)
+        wrenches = [mixer.wrench((x, y, z), t) for x, y, z, t in np.stack(sent[:4], axis=1).tolist()]
         return Signals(told["t"], np.array(wrenches).reshape(-1, 4), ("zeta", "u2", "u3", "u4"))
     if plan.level is OutputLevel.RATES:
         return Signals(told["t"], np.stack([told["zeta_dot"], *sent[:3]], axis=1), ("zeta_dot", "p", "q", "r"))

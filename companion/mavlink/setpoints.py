@@ -6,11 +6,13 @@ Stamps are those of a state, which telemetry has bounded; a number too large for
 from __future__ import annotations
 
 from companion.mavlink.dialect import Format, Value, message
-from companion.vehicle import AttitudeSetpoint, MotorSetpoint, RateSetpoint, Setpoint
+from companion.vehicle import AttitudeSetpoint, MotorSetpoint, RateSetpoint
 
 SET_ACTUATOR_CONTROL_TARGET = message("SET_ACTUATOR_CONTROL_TARGET")
 SET_ATTITUDE_TARGET = message("SET_ATTITUDE_TARGET")
 
+Sendable = MotorSetpoint | RateSetpoint | AttitudeSetpoint
+"""What has a message: torques go over XRCE alone."""
 IGNORE_ATTITUDE = 0x80
 """SET_ATTITUDE_TARGET's type mask: rates are asked for."""
 IGNORE_RATES = 0x07
@@ -19,7 +21,7 @@ IDENTITY = (1.0, 0.0, 0.0, 0.0)
 """q_nb that nobody reads."""
 
 
-def encoded(setpoint: Setpoint, t_boot: float, system: int, component: int) -> tuple[Format, tuple[Value, ...]]:
+def encoded(setpoint: Sendable, t_boot: float, system: int, component: int) -> tuple[Format, tuple[Value, ...]]:
     """The message for a vehicle. ``t_boot``: s, the stamp of the state the setpoint was computed from."""
     if isinstance(setpoint, RateSetpoint):
         return SET_ATTITUDE_TARGET, _rates(setpoint, t_boot, system, component)

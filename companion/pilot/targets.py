@@ -11,7 +11,7 @@ from companion.mission import Repeat
 from companion.pilot.memory import Memory
 from companion.plan import Plan
 from companion.steering.steering import Aim, Along, At
-from companion.vehicle import AttitudeSetpoint, MotorSetpoint, RateSetpoint, Setpoint, VehicleState
+from companion.vehicle import AttitudeSetpoint, MotorSetpoint, RateSetpoint, Setpoint, TorqueSetpoint, VehicleState
 
 END_WITHIN = 0.35
 """m before the open end of a path at which the end point is aimed at instead."""
@@ -158,13 +158,15 @@ def smooth_start(since: float, T: float) -> SpeedScale:
 
 
 def turning(plan: Plan, state: VehicleState) -> Vec3:
-    """What levels the vehicle, as rates (rad/s), a rotation (rad) or torques (N m) about its axes, by what is sent."""
+    """What levels the vehicle, by what is sent: rates (rad/s), a rotation (rad), torques (N m or shares)."""
     setpoint = plan.steering.level(state)
     if isinstance(setpoint, RateSetpoint):
         return setpoint.rates_b
     if isinstance(setpoint, AttitudeSetpoint):
         w, x, y, z = multiply(conjugate(state.q_nb), setpoint.q_nb)
         return (math.copysign(2.0, w) * x, math.copysign(2.0, w) * y, math.copysign(2.0, w) * z)
+    if isinstance(setpoint, TorqueSetpoint):
+        return setpoint.torque_b
     thrusts = [rotor.thrust_max * c for rotor, c in zip(plan.vehicle.rotors, setpoint.commands, strict=True)]
     arms = [rotor.position_b for rotor in plan.vehicle.rotors]
     roll = -sum(y * thrust for (_, y, _), thrust in zip(arms, thrusts, strict=True))
@@ -178,6 +180,8 @@ def neutral(plan: Plan, state: VehicleState, grounded: bool) -> Setpoint:
     if isinstance(level, MotorSetpoint):
         return MotorSetpoint((0.0,) * len(level.commands)) if grounded else level
     thrust = 0.0 if grounded else level.thrust
+    if isinstance(level, TorqueSetpoint):
+        return TorqueSetpoint((0.0, 0.0, 0.0), 0.0) if grounded else level
     if isinstance(level, RateSetpoint):
         return RateSetpoint((0.0, 0.0, 0.0), thrust)
     return AttitudeSetpoint(state.q_nb, thrust)

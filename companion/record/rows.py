@@ -20,6 +20,7 @@ from companion.vehicle import (
     MotorSetpoint,
     RateSetpoint,
     Setpoint,
+    TorqueSetpoint,
     VehicleState,
     VehicleStatus,
 )
@@ -69,9 +70,13 @@ DONE = (
     Column("request", "b", "index of phases.Request that stands, -1 none"),
     Column("asked", "b", "1: it was sent at this tick"),
     Column("payload", "i", "commands for the payload that were sent at this tick"),
-    Column("setpoint", "b", "0 none, 1 motors, 2 rates, 3 attitude"),
+    Column("setpoint", "b", "0 none, 1 motors, 2 rates, 3 attitude, 4 torques"),
     *(
-        Column(f"sent_{i}", "d", "motors: commands; rates: p, q, r (rad/s), thrust; attitude: q, thrust")
+        Column(
+            f"sent_{i}",
+            "d",
+            "motors: commands; rates: p, q, r (rad/s), thrust; attitude: q, thrust; torques: shares, thrust",
+        )
         for i in range(5)
     ),
 )
@@ -188,6 +193,8 @@ def sent_part(setpoint: Setpoint | None) -> tuple[int, float, float, float, floa
         return (1, a, b, c, d, math.nan)
     if isinstance(setpoint, RateSetpoint):
         return (2, *setpoint.rates_b, setpoint.thrust, math.nan)
+    if isinstance(setpoint, TorqueSetpoint):
+        return (4, *setpoint.torque_b, setpoint.thrust, math.nan)
     if isinstance(setpoint, AttitudeSetpoint):
         return (3, *setpoint.q_nb, setpoint.thrust)
     return (0, *_NOT_SENT)

@@ -24,6 +24,7 @@ from companion.vehicle.setpoints import (
     OutputLevel,
     RateSetpoint,
     Setpoint,
+    TorqueSetpoint,
 )
 from companion.vehicle.state import (
     Fact,
@@ -55,6 +56,7 @@ __all__ = [
     "Rotor",
     "Setpoint",
     "Spin",
+    "TorqueSetpoint",
     "Tuning",
     "Vehicle",
     "VehicleState",

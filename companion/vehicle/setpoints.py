@@ -12,14 +12,27 @@ class OutputLevel(enum.Enum):
     """The kind of setpoint the law goes out as."""
 
     MOTORS = "motors"
+    TORQUES = "torques"
     RATES = "rates"
     ATTITUDE = "attitude"
+
+    @property
+    def without_rate_loop(self) -> bool:
+        """Whether the vehicle's own rate loop is out of the way, so that the law itself keeps the vehicle upright."""
+        return self in (OutputLevel.MOTORS, OutputLevel.TORQUES)
 
 
 class MotorSetpoint(NamedTuple):
     """Commands to the rotors in motor order, each inside its rotor's command range."""
 
     commands: tuple[float, ...]
+
+
+class TorqueSetpoint(NamedTuple):
+    """Torques about the body axes (FRD) and collective thrust (0..1, up), as shares: PX4's normalised setpoints."""
+
+    torque_b: Vec3
+    thrust: float
 
 
 class RateSetpoint(NamedTuple):
@@ -36,4 +49,4 @@ class AttitudeSetpoint(NamedTuple):
     thrust: float
 
 
-Setpoint = MotorSetpoint | RateSetpoint | AttitudeSetpoint
+Setpoint = MotorSetpoint | TorqueSetpoint | RateSetpoint | AttitudeSetpoint

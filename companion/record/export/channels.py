@@ -21,6 +21,7 @@ _THRUST = Field("thrust", "1", "0..1")
 SETPOINTS = {
     1: ("motors", [Field(f"motor_{i}", "1", f"command of rotor {i}, the vehicle file's units") for i in range(4)]),
     2: ("rates", [*(Field(f"{axis}_dps", "deg/s", f"body rate {axis} asked for") for axis in "pqr"), _THRUST]),
+    4: ("torques", [*(Field(f"torque_{axis}", "1", f"torque about {axis}, a share") for axis in "xyz"), _THRUST]),
     3: ("attitude", [*(Field(f"q_{axis}", "1", "attitude, body to world, NED") for axis in "wxyz"), _THRUST]),
 }
 """Columns ``sent_0`` .. ``sent_4`` of each value of the column ``setpoint``."""

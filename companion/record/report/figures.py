@@ -94,6 +94,7 @@ def _motion(evidence: Evidence) -> Section:
     title = "Attitude, thrust and " + ("motors" if level is OutputLevel.MOTORS else "body rates")
     shown = {
         OutputLevel.MOTORS: "roll, pitch, thrust and motor commands, as in the paper’s Figs. 3 and 4",
+        OutputLevel.TORQUES: "roll, pitch, thrust, and the body rates that came of the torques",
         OutputLevel.RATES: "roll, pitch, thrust, and the body rates that were asked for and measured",
         OutputLevel.ATTITUDE: "roll and pitch as asked for and measured, thrust, and the body rates that came of it",
     }[level]

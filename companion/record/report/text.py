@@ -23,6 +23,7 @@ RECOVERY = 5.0
 """s after an event in which an error is taken for its, where the vehicle was not back before (engineering choice)."""
 LEVELS = {
     OutputLevel.MOTORS: "motor commands",
+    OutputLevel.TORQUES: "torques and thrust",
     OutputLevel.RATES: "body rates and thrust",
     OutputLevel.ATTITUDE: "attitude and thrust",
 }

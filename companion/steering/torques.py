@@ -1,0 +1,57 @@
+"""Torques and thrust: the law at the level of motors, with PX4's own allocator in the place of M^-1.
+
+What the motors would be told is told to PX4 as the torque and thrust setpoint of which its allocator makes just these
+motor commands. They lie within their ranges, so that it has nothing to give up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from companion.law.flight import Law
+from companion.law.hold import HoldLaw
+from companion.px4_allocation import Px4Allocation
+from companion.steering.motors import MotorSteering, motor_steering
+from companion.steering.steering import Aim, Steered, SteeringMemory
+from companion.vehicle import MotorSetpoint, Setpoint, TorqueSetpoint, Vehicle, VehicleState
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueSteering:
+    """Motor steering, told to PX4's allocator."""
+
+    motors: MotorSteering
+    allocation: Px4Allocation
+
+    def begin(self, state: VehicleState) -> SteeringMemory:
+        """See Steering."""
+        return self.motors.begin(state)
+
+    def steer(
+        self, memory: SteeringMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+    ) -> Steered:
+        """See Steering."""
+        steered = self.motors.steer(memory, state, dt, aim, link_delay)
+        return steered._replace(setpoint=self._told(steered.setpoint))
+
+    def learn(self, memory: SteeringMemory) -> SteeringMemory:
+        """See Steering."""
+        return self.motors.learn(memory)
+
+    def level(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> TorqueSetpoint:
+        """See Steering."""
+        return self._told(self.motors.level(state, memory))
+
+    def learned(self, memory: SteeringMemory) -> None:
+        """See Steering."""
+        return self.motors.learned(memory)
+
+    def _told(self, setpoint: Setpoint) -> TorqueSetpoint:
+        assert isinstance(setpoint, MotorSetpoint)
+        a, b, c, d = setpoint.commands
+        return TorqueSetpoint(*self.allocation.setpoint((a, b, c, d)))
+
+
+def torque_steering(law: Law, hold: HoldLaw, vehicle: Vehicle) -> TorqueSteering:
+    """Steering for ``vehicle``. AllocationError: rotors that cannot make every thrust and torque."""
+    return TorqueSteering(motor_steering(law, hold, vehicle), Px4Allocation(vehicle))
