@@ -26,7 +26,7 @@ from sim_bridge.plant import Truth
 from sim_bridge.truth_file import TruthFile
 
 DEFAULT_DURATION = 60.0
-"""s of following for a mission that says neither laps nor is told a duration."""
+"""s of following for a mission that has no end of its own (round, or back and forth, without laps) and is told none."""
 SIMULATED_FLUSH = 1.0
 """s of simulated time between two writes of the record: a kill costs no more of it, and memory stays as it is."""
 OVERHEAD = 300.0
@@ -112,7 +112,8 @@ def at_home(mission: Mission, world: World) -> tuple[Mission, World]:
 def orders_of(flight: SimulatedFlight) -> Orders:
     """What the daemon is told."""
     sortie, duration = flight.sortie, flight.duration
-    if duration is None and sortie.mission.laps is None and sortie.mission.closed:
+    mission = sortie.mission
+    if duration is None and mission.laps is None and (mission.closed or mission.repeat is not None):
         duration = DEFAULT_DURATION
     # the plant is ours: what rates need may be set there
     return Orders(
