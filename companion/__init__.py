@@ -41,7 +41,7 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     daemon       the only sockets and clocks                         record      the evidence, and what is made of it
     library      what Python and the commands offer alike            services    MAVSDK, off the control path
     study        many flights, and how many of them pass             watch       the live page, a process of its own
-    cli          the commands
+    cli          the commands                                        identification  a vehicle file from PX4 or a log
 
 The vehicle's software stand-in is its own package, ``sim_bridge``, with its own derivation of the physics.
 """

@@ -31,6 +31,7 @@ MAY_IMPORT: dict[str, str] = {
     "estimation": "frames calculus vehicle",
     "steering": "frames vehicle paths law allocation px4_allocation thrust_range estimation",
     "feasibility": "frames fence calculus vehicle paths profiles law allocation thrust_range mission",
+    "identification": "plain_text frames vehicle",
     "flight": "vehicle fence",
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "pilot": "frames vehicle law paths mission steering flight plan",

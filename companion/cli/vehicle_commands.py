@@ -10,7 +10,41 @@ import typer
 
 from companion.cli.options import Connect
 
-vehicle = typer.Typer(no_args_is_help=True, help="A vehicle itself: its signing key.")
+vehicle = typer.Typer(no_args_is_help=True, help="A vehicle itself: its file from what is known, its signing key.")
+
+Force = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
+Mass = Annotated[
+    float | None,
+    typer.Option(
+        "--mass",
+        metavar="KG",
+        min=0.01,
+        max=500.0,
+        help="The take-off mass as weighed.",
+        show_default="a guess, marked",
+    ),
+]
+Arm = Annotated[
+    float | None,
+    typer.Option(
+        "--arm", metavar="M", min=0.02, max=5.0, help="From the middle to a motor's axis, the longest.",
+        show_default="as PX4 has it",
+    ),
+]  # fmt: skip
+
+
+@vehicle.command("from")
+def from_px4(
+    connect: Connect,
+    file: Annotated[Path, typer.Argument(metavar="[FILE]", help="The vehicle file to write.")] = Path("vehicle.yaml"),
+    mass: Mass = None,
+    arm: Arm = None,
+    force: Force = False,
+) -> None:
+    """Write a commented vehicle file of what PX4 knows of itself, and what is left to measure. Nothing is flown."""
+    from companion.cli.vehicle_making import from_px4 as make
+
+    raise typer.Exit(make(connect, file, mass, arm, force))
 
 
 @vehicle.command()

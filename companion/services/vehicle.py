@@ -31,6 +31,8 @@ RATE_OVER = 1.5
 """s over which the rate of ODOMETRY is measured."""
 HEARTBEAT_WITHIN = 10.0
 """s for a first heartbeat, which comes every second."""
+IDENTITY_WITHIN = 3.0
+"""s for a vehicle's AUTOPILOT_VERSION (engineering choice)."""
 PLACE_WITHIN = 15.0
 """s for a place (engineering choice)."""
 
@@ -54,6 +56,23 @@ class ConnectedVehicle:
         except ParamError as error:
             raise ServiceError(f"the vehicle does not tell its parameters: {error}") from None
         return {each.name: each.value for each in (*every.int_params, *every.float_params)}
+
+    def identity(self) -> str:
+        """What it says it is: the firmware's version and the hardware's uid."""
+        from mavsdk.plugins.info import Info, InfoError
+
+        told = Info(self.system)
+        ends = time.monotonic() + IDENTITY_WITHIN
+        while True:
+            try:
+                version, uid = told.get_version(), told.get_identification().hardware_uid
+            except InfoError:
+                if time.monotonic() > ends:
+                    return "PX4 of unknown version"
+                time.sleep(0.2)
+                continue
+            number = f"{version.flight_sw_major}.{version.flight_sw_minor}.{version.flight_sw_patch}"
+            return f"PX4 {number}, git {version.flight_sw_git_hash}, uid {uid}"
 
     def state_rate(self) -> float:
         """Hz of ODOMETRY that arrive when RATE_ASKED are asked for."""

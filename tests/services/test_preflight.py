@@ -13,6 +13,7 @@ import pytest
 
 from companion.cli.preflight import verdict
 from companion.config.plan.qgroundcontrol import plan_from
+from companion.config.vehicle import load_vehicle
 from companion.fence import Circle, Fence, Polygon
 from companion.geodesy import LocalFrame
 from companion.services.audit import RULES, Weight, audited
@@ -105,6 +106,25 @@ def test_a_vehicle_is_looked_at_and_the_curve_uploaded(port: int) -> None:
     assert told["path"][-1] == "uploaded: the curve as 60 waypoints, and a fence of 1 area"
     assert any(line.startswith("plan: MAVSDK reads the same ") for line in told["path"])
     assert (done.returncode, told["ok"]) == (0, True)
+
+
+def test_a_vehicle_file_is_made_of_what_a_vehicle_knows(port: int, tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    plant = subprocess.Popen(
+        [sys.executable, "-m", "sim_bridge", "--vehicle", "x500", "--ground-station", "none",
+         "--connect", f"udpout://127.0.0.1:{port}"],
+        stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        done = companion("vehicle", "from", str(file), "--connect", f"udpin://127.0.0.1:{port}", "--mass", "2.1")
+        again = companion("vehicle", "from", str(file), "--connect", f"udpin://127.0.0.1:{port}")
+    finally:
+        plant.terminate()
+        plant.wait(20.0)
+    assert done.returncode == 0, done.stderr
+    assert load_vehicle(str(file)).mass == 2.1
+    assert "# Made by companion vehicle from on 20" in file.read_text() and ", uid " in file.read_text()
+    assert again.returncode == 2 and "exists already" in again.stderr
 
 
 def test_no_vehicle_and_bad_addresses(port: int, tmp_path: Path) -> None:

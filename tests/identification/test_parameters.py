@@ -1,0 +1,83 @@
+"""A vehicle file of what PX4 knows: every vehicle gets one that is accepted, and every guess is marked."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from companion.config.syntax.document import parse
+from companion.config.vehicle import load_vehicle, vehicle_from
+from companion.identification.parameters import described
+from companion.vehicle import CompanionError, Spin, Vehicle
+from companion.world import Home
+from sim_bridge.autopilot.parameters import of
+
+REAL = {
+    "SYS_AUTOSTART": 4014, "CA_AIRFRAME": 0, "CA_ROTOR_COUNT": 4, "MPC_THR_HOVER": 0.39, "THR_MDL_FAC": 0.3,
+    "MC_ROLLRATE_P": 0.12, "MC_ROLLRATE_D": 0.002, "MC_PITCHRATE_P": 0.14, "MC_PITCHRATE_D": 0.002,
+    "MC_YAWRATE_MAX": 200.0, "MPC_TILTMAX_AIR": 35.0, "FD_FAIL_R": 0, "FD_FAIL_P": 0, "COM_OF_LOSS_T": 0.3,
+    **{f"CA_ROTOR{i}_P{a}": v for i, p in enumerate(((0.15, 0.2, -0.02), (-0.15, -0.2, -0.02), (0.15, -0.2, -0.02), (-0.15, 0.2, -0.02))) for a, v in zip("XYZ", p, strict=True)},
+    **{f"CA_ROTOR{i}_KM": km for i, km in enumerate((0.05, 0.05, -0.05, -0.05))},
+}  # fmt: skip
+
+
+def made(values: dict[str, float], **measured: float) -> tuple[str, Vehicle]:
+    text = described(values, name="mine", origin=("of PX4",), **measured).text  # type: ignore[arg-type]
+    return text, vehicle_from(parse(text, "mine.yaml"))
+
+
+@pytest.mark.parametrize("name", ["sih", "x500"])
+def test_px4s_simulation_describes_itself_fully(name: str) -> None:
+    true = load_vehicle(name)
+    text, vehicle = made(of(true, Home()))
+    assert "MEASURE" not in text
+    assert vehicle.mass == pytest.approx(true.mass) and vehicle.inertia == pytest.approx(true.inertia, rel=1e-3)
+    for told, rotor in zip(vehicle.rotors, true.rotors, strict=True):
+        assert told.position_b == pytest.approx(rotor.position_b, rel=1e-3) and told.spin is rotor.spin
+        assert told.thrust_max == pytest.approx(rotor.thrust_max, rel=1e-3)
+        assert told.torque_per_thrust == pytest.approx(rotor.torque_per_thrust, rel=1e-3)
+    assert vehicle.drag == pytest.approx(true.drag) and vehicle.motor_lag == pytest.approx(true.motor_lag)
+    if name == "sih":  # measured on PX4: 71 ms
+        assert vehicle.rate_loop_lag == pytest.approx(0.071, rel=0.2)
+
+
+def test_a_real_frame_is_told_what_is_to_be_measured() -> None:
+    text, vehicle = made(REAL)
+    assert vehicle.rotors[0].position_b == (0.15, 0.2, -0.02) and vehicle.rotors[2].spin is Spin.CW
+    assert vehicle.hover_thrust == 0.39 and vehicle.thrust_max == pytest.approx(vehicle.weight / 0.39, rel=1e-3)
+    assert vehicle.limits is not None
+    assert math.degrees(vehicle.limits.tilt) == pytest.approx(35.0)
+    assert math.degrees(vehicle.limits.failure_detector) == pytest.approx(180.0)
+    for line in text.splitlines():
+        if line.startswith(("mass_kg", "inertia_kgm2", "motor_lag_s")):
+            assert "# MEASURE: " in line
+    assert "COM_OF_LOSS_T 0.3" in text and "THR_MDL_FAC 0.3" in text and "uid" not in text
+
+
+def test_what_the_user_measured_is_taken() -> None:
+    text, vehicle = made(
+        {
+            **REAL,
+            **{f"CA_ROTOR{i}_P{a}": math.copysign(1.0, REAL[f"CA_ROTOR{i}_P{a}"]) for i in range(4) for a in "XY"},
+        },
+        mass=1.45,
+        arm=0.28,
+    )
+    assert "mass_kg: 1.45 # given: kg" in text
+    assert max(math.hypot(*rotor.position_b[:2]) for rotor in vehicle.rotors) == pytest.approx(0.28, rel=1e-3)
+    text, _ = made(
+        {**REAL, **{f"CA_ROTOR{i}_P{a}": math.copysign(1.0, REAL[f"CA_ROTOR{i}_P{a}"]) for i in range(4) for a in "XY"}}
+    )
+    assert "the shape only" in text
+
+
+def test_an_old_px4_without_geometry_still_gives_a_file() -> None:
+    text, vehicle = made({"MPC_THR_HOVER": 0.5})
+    assert "no CA_ROTOR*" in text and [rotor.spin for rotor in vehicle.rotors] == [Spin.CCW, Spin.CCW, Spin.CW, Spin.CW]
+
+
+@pytest.mark.parametrize("change", [{"CA_ROTOR_COUNT": 6}, {"CA_AIRFRAME": 1}, {"CA_ROTOR2_AZ": 0.0}])
+def test_other_vehicles_are_refused(change: dict[str, float]) -> None:
+    with pytest.raises(CompanionError, match=r"no quadrotor|tilted"):
+        described({**REAL, **change}, name="mine")
