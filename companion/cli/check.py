@@ -35,7 +35,7 @@ def check(
     ``world``: also with its wind, the gusts on top, and its true machine; None: in still air, as the vehicle file says.
     """
     if plot is not None:
-        _plottable(plot)
+        plottable(plot)
     faults = Faults()
     simulated = None if world is None else faults.collect(lambda: read_world(world, 0))
     told = faults.collect(lambda: home_told(home, None if simulated is None else simulated.world)) or NOTHING_TOLD
@@ -75,7 +75,8 @@ def looked_at(sortie: Sortie, wind_n: Vec3 = (0.0, 0.0, 0.0)) -> tuple[Sortie, R
         return checked(sortie, wind_n)
 
 
-def _plottable(plot: Path) -> None:
+def plottable(plot: Path) -> None:
+    """ConfigError: no picture can be drawn there."""
     if plot.suffix.lower() not in PICTURES:
         raise ConfigError([Fault("--plot", 0, "", f"{plot.name}: expected a file ending in {', '.join(PICTURES)}")])
     if not plot.parent.is_dir():

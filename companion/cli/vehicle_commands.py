@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from companion.cli.options import Connect
+from companion.cli.options import Connect, Json, complete_vehicle
 
 vehicle = typer.Typer(no_args_is_help=True, help="A vehicle itself: its file from what is known, its signing key.")
 
@@ -45,6 +45,49 @@ def from_px4(
     from companion.cli.vehicle_making import from_px4 as make
 
     raise typer.Exit(make(connect, file, mass, arm, force))
+
+
+@vehicle.command("from-log")
+def from_log(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="A log of PX4: a .ulg file.")],
+    file: Annotated[Path, typer.Argument(metavar="[FILE]", help="The vehicle file to write.")] = Path("vehicle.yaml"),
+    vehicle: Annotated[
+        str | None,
+        typer.Option(
+            "--vehicle",
+            metavar="NAME",
+            help="The vehicle file whose other values are kept.",
+            show_default="FILE where it is there, else what the log says of PX4's parameters",
+            autocompletion=complete_vehicle,
+        ),
+    ] = None,
+    mass: Mass = None,
+    arm: Arm = None,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", metavar="FILE", help="Draw the fit into a .png, .svg or .pdf.")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """Fit hover thrust, drag, lags and authority to a log, say how well each is known, and write the vehicle file."""
+    from companion.cli.vehicle_making import from_log as make
+
+    raise typer.Exit(make(log, file, vehicle, mass, arm, plot, force))
+
+
+@vehicle.command()
+def show(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="VEHICLE", help="A name from configs/vehicles, or a vehicle file.", autocompletion=complete_vehicle
+        ),
+    ],
+    json: Json = False,
+) -> None:
+    """Show what a vehicle file says beside what flights have learned, how well and how long ago."""
+    from companion.cli.vehicle_showing import show as print_it
+
+    raise typer.Exit(print_it(name, json))
 
 
 @vehicle.command()

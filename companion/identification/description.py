@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -79,8 +80,38 @@ class Description:
         for key in KEYS:
             if key in self.entries:
                 lines += _lines(key, self.entries[key])
-        lines += [f"# {printable(note)}" for note in self.notes]
+        lines += [f"# {printable(note)}".rstrip() for note in self.notes]
         return "\n".join(lines) + "\n"
+
+
+_COMMENT = re.compile(rf"# ({'|'.join(source.value for source in Source)}): (.*)$")
+
+
+def of_file(data: Mapping[str, Any], text: str) -> Description:
+    """A vehicle file that is there already, by what its comments say of every value; what they do not is its owner's.
+    ``data``: what it holds."""
+    told: dict[str, list[Entry]] = {}
+    key = ""
+    for line in text.splitlines():
+        key = line.split(":")[0] if line[:1].isalpha() else key
+        found = _COMMENT.search(line)
+        if found is not None:
+            told.setdefault(key, []).append(Entry(None, Source(found[1]), found[2]))
+
+    def entry(name: str, value: Any, i: int = 0) -> Entry:
+        comments = told.get(name, [])
+        return comments[i]._replace(value=value) if i < len(comments) else Entry(value, Source.GIVEN, "")
+
+    entries: dict[str, Any] = {}
+    for name in KEYS:
+        value = data.get(name)
+        if name == "rotors":
+            entries[name] = [entry(name, row, i) for i, row in enumerate(value or ())]
+        elif isinstance(value, Mapping):
+            entries[name] = {inner: entry(name, each, i) for i, (inner, each) in enumerate(value.items())}
+        elif value is not None:
+            entries[name] = entry(name, value)
+    return Description(str(data["name"]), (), entries)
 
 
 def _lines(key: str, entry: Any) -> list[str]:
@@ -93,7 +124,7 @@ def _lines(key: str, entry: Any) -> list[str]:
 
 
 def _comment(entry: Entry) -> str:
-    return printable(f"{entry.source.value}: {entry.words}")
+    return printable(f"{entry.source.value}: {entry.words}").rstrip()
 
 
 def _plain(entry: Any) -> Any:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from companion.cli.commands import app
 from companion.estimation.estimator import DRAG_STD, THRUST_SCALE_STD
 from companion.estimation.learned import AGEING, Learned, prior_of, sane
 from companion.record.learned import recalled, remembered, state_file
@@ -88,3 +91,19 @@ def test_a_flight_finds_out_what_its_vehicle_is() -> None:
     assert learned.drag == pytest.approx(0.2, abs=0.02)
     assert 0.0 < learned.hover_thrust_std < 0.02
     assert 0.0 < learned.drag_std < 0.1
+
+
+def test_what_is_learned_is_shown_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    runner = CliRunner()
+    told = runner.invoke(app, ["vehicle", "show", "x500"])
+    assert told.exit_code == 0 and "nothing is learned of it yet" in told.output
+    file = state_file("x500")
+    assert file is not None
+    assert remembered(file, Learned(0.54, 0.35, 0.055, 0.0, 0.004, 0.02))
+    told = runner.invoke(app, ["vehicle", "show", "x500"])
+    assert "0.54 +- 0.004" in told.output and "0.35 +- 0.02" in told.output and "learned 0.0 days ago" in told.output
+    figures = json.loads(runner.invoke(app, ["vehicle", "show", "x500", "--json"]).output)["figures"]
+    hover = next(row for row in figures if row["key"] == "hover thrust")
+    assert hover["told"] == 0.57 and hover["believed"] == pytest.approx(0.54, rel=0.02)
+    assert hover["believed_std"] > hover["learned_std"]  # another battery, load or propeller

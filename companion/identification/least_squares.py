@@ -1,0 +1,47 @@
+"""Nonlinear least squares whose standard deviations count that neighbouring residuals err alike.
+
+The residuals of a flight are not white: gusts, vibration and the vehicle's estimate last. So the covariance of the
+parameters is the sandwich (J'J)^-1 S (J'J)^-1, where S sums the scores over blocks of seconds rather than samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Fitted(NamedTuple):
+    """``values`` and their standard deviations ``std``; ``rms``: of the residuals."""
+
+    values: Array
+    std: Array
+    rms: float
+
+
+def fit(
+    residuals: Callable[[Array], Array], blocks: NDArray[np.int64], start: Sequence[float], low: Sequence[float],
+    high: Sequence[float], scale: Sequence[float], actual: Callable[[Array], Array] | None = None,
+) -> Fitted:  # fmt: skip
+    """The parameters between ``low`` and ``high`` with the least squares. ``blocks``: of each residual, which block it
+    belongs to; priors have blocks of their own. ``scale``: the usual size of each parameter. ``actual``: the residuals
+    whose spread counts, where ``residuals`` are those of projected data (two-stage least squares)."""
+    from scipy.optimize import least_squares
+
+    found = least_squares(
+        residuals, np.clip(start, low, high), bounds=(low, high), x_scale=scale, diff_step=1e-4, max_nfev=100
+    )
+    J = found.jac
+    r = found.fun if actual is None else actual(found.x)
+    inverse = np.linalg.pinv(J.T @ J)
+    scores = np.zeros((int(blocks.max()) + 1, J.shape[1]))
+    np.add.at(scores, blocks, J * r[:, None])
+    covariance = inverse @ (scores.T @ scores) @ inverse
+    # few blocks say little of their spread: what white residuals would give is the least
+    white = inverse * float(r @ r) / max(1, len(r) - len(found.x))
+    std = np.sqrt(np.maximum(np.maximum(np.diag(covariance), np.diag(white)), 0.0))
+    return Fitted(np.asarray(found.x), std, float(np.sqrt(np.mean(r * r))))
