@@ -32,26 +32,30 @@ class Finding(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """``judged``: the weight of a value, beside all the others."""
+    """``judged``: the weight of a value, beside all the others. ``elsewhere``: the parameter that says the same in
+    other versions of PX4; where that is there and this is not, there is nothing to say."""
 
     parameter: str
     judged: Callable[[float, Values], Weight]
     advised: str
     why: str
+    elsewhere: str | None = None
 
 
 _ON_LOSS = {1: "Hold", 2: "Return", 3: "Land", 5: "Terminate", 6: "Disarm"}
 """NAV_RCL_ACT and NAV_DLL_ACT in words."""
 NAMES: dict[str, dict[int, str]] = {
     "COM_OBL_RC_ACT": {2: "Stabilized", **SANE_ON_LOSS, **FATAL_ON_LOSS},
-    "NAV_RCL_ACT": _ON_LOSS,
+    "NAV_RCL_ACT": {**_ON_LOSS, 7: "Hold, without a failsafe"},
+    "COM_RC_OVERRIDE": {0: "never", 1: "in auto modes", 2: "in offboard", 3: "in auto modes and offboard"},
     "NAV_DLL_ACT": {0: "nothing", **_ON_LOSS},
     "COM_LOW_BAT_ACT": {0: "only a warning", 1: "Return", 2: "Land", 3: "Return, then Land"},
     "GF_ACTION": {0: "nothing", 1: "only a warning", 2: "Hold", 3: "Return", 4: "Terminate", 5: "Land"},
 }
-"""What PX4's numbers mean: the values of its parameter reference (v1.15)."""
+"""What PX4's numbers mean: the values of its parameter reference (v1.15); NAV_RCL_ACT 7 from 1.18 on."""
 UNITS = {
     "COM_OF_LOSS_T": "s", "GF_MAX_HOR_DIST": "m", "GF_MAX_VER_DIST": "m", "RTL_RETURN_ALT": "m", "RTL_DESCEND_ALT": "m",
+    "MAN_OVERRIDE_SPD": "1/s",
     "MIS_TAKEOFF_ALT": "m", "FD_FAIL_R": "deg", "FD_FAIL_P": "deg", "IMU_GYRO_RATEMAX": "Hz",
 }  # fmt: skip
 
@@ -80,6 +84,8 @@ def _far_enough(value: float, values: Values) -> bool:
     return value == 0.0 or value >= 20.0
 
 
+OVERRIDE_IN_OFFBOARD = 2
+"""The bit of COM_RC_OVERRIDE (PX4 up to 1.17) for offboard."""
 RULES: tuple[Rule, ...] = (
     Rule("COM_OF_LOSS_T", _when(lambda v, _: not is_longer(v, LOSS_TIME_MAX), Weight.ADVICE),
          f"{LOSS_TIME_MAX:g} s or less",
@@ -90,6 +96,12 @@ RULES: tuple[Rule, ...] = (
          "what a lost remote control does; 5 and 6 cut the motors"),
     Rule("NAV_DLL_ACT", _when(lambda v, _: int(v) not in (5, 6), Weight.DANGER), "0 (nothing), 1 (Hold) or 2 (Return)",
          "what a lost ground station does; 5 and 6 cut the motors"),
+    Rule("COM_RC_OVERRIDE", _when(lambda v, _: int(v) & OVERRIDE_IN_OFFBOARD != 0, Weight.ADVICE),
+         "3 (in auto modes and offboard)", "sticks take the vehicle from us; else only the mode switch does",
+         elsewhere="MAN_OVERRIDE_SPD"),
+    Rule("MAN_OVERRIDE_SPD", _when(lambda v, _: v >= 0.0, Weight.ADVICE), "1 1/s, or another that is not negative",
+         "sticks that move so fast take the vehicle from us; else only the mode switch does",
+         elsewhere="COM_RC_OVERRIDE"),
     Rule("COM_LOW_BAT_ACT", _when(lambda v, _: int(v) != 0, Weight.ADVICE), "3 (Return, then Land) or 2 (Land)",
          "with 0 a low battery is only told"),
     Rule("BAT_LOW_THR", _when(lambda v, _: v >= 0.12, Weight.ADVICE), "0.15 or more",
@@ -122,6 +134,8 @@ def audited(values: Values) -> list[Finding]:
     findings = []
     for rule in RULES:
         value = values.get(rule.parameter)
+        if value is None and rule.elsewhere in values:
+            continue
         weight = Weight.ADVICE if value is None else rule.judged(value, values)
         why = rule.why if value is not None else f"this firmware does not have it; {rule.why}"
         findings.append(Finding(rule.parameter, value, weight, rule.advised, why, in_words(rule.parameter, value)))

@@ -159,7 +159,8 @@ class RateSteering:
         """See Steering."""
         thrust, q_nb = self.hover_thrust, UPRIGHT
         if memory is not None:
-            thrust /= memory.estimate.forces.thrust_scale
+            scale = memory.estimate.forces.thrust_scale
+            thrust /= scale if math.isfinite(scale) else 1.0  # whatever has failed: the hover thrust is a number
             q_nb = memory.estimate.state.q_nb
         if state is not None:
             q_nb = state.q_nb

@@ -32,8 +32,8 @@ def test_px4s_defaults_are_no_danger_and_the_slow_failsafe_is_told() -> None:
     found = weights()
     assert Weight.DANGER not in found.values()
     assert found["COM_OF_LOSS_T"] is Weight.ADVICE
-    assert set(found) == {rule.parameter for rule in RULES}
-    assert all(rule.parameter in defaults() for rule in RULES)
+    assert set(found) == {rule.parameter for rule in RULES} - {"COM_RC_OVERRIDE"}
+    assert all(rule.parameter in defaults() or rule.elsewhere in defaults() for rule in RULES)
 
 
 def test_what_cuts_the_motors_is_a_danger() -> None:
@@ -41,6 +41,24 @@ def test_what_cuts_the_motors_is_a_danger() -> None:
     assert weights(NAV_RCL_ACT=6)["NAV_RCL_ACT"] is Weight.DANGER
     assert weights(COM_OF_LOSS_T=0.3)["COM_OF_LOSS_T"] is Weight.FINE
     assert weights(GF_MAX_HOR_DIST=5.0)["GF_MAX_HOR_DIST"] is Weight.ADVICE
+
+
+def test_sticks_take_over_in_offboard_by_either_parameter() -> None:
+    """Up to 1.17 COM_RC_OVERRIDE, from 1.18 on MAN_OVERRIDE_SPD, which acts in offboard too."""
+    assert weights()["MAN_OVERRIDE_SPD"] is Weight.FINE
+    assert weights(MAN_OVERRIDE_SPD=-1.0)["MAN_OVERRIDE_SPD"] is Weight.ADVICE
+    older = {name: value for name, value in defaults().items() if name != "MAN_OVERRIDE_SPD"}
+    for value, weight in ((1, Weight.ADVICE), (3, Weight.FINE)):
+        found = {finding.parameter: finding for finding in audited({**older, "COM_RC_OVERRIDE": value})}
+        assert "MAN_OVERRIDE_SPD" not in found and found["COM_RC_OVERRIDE"].weight is weight
+    assert found["COM_RC_OVERRIDE"].said == "3 (in auto modes and offboard)"
+    without = [finding.parameter for finding in audited({}) if "OVERRIDE" in finding.parameter]
+    assert without == ["COM_RC_OVERRIDE", "MAN_OVERRIDE_SPD"]
+
+
+def test_lost_sticks_that_only_hold_are_no_danger() -> None:
+    finding = next(f for f in audited({**defaults(), "NAV_RCL_ACT": 7}) if f.parameter == "NAV_RCL_ACT")
+    assert finding.weight is Weight.FINE and finding.said == "7 (Hold, without a failsafe)"
 
 
 def test_a_firmware_that_lacks_one_says_so() -> None:
