@@ -98,7 +98,7 @@ class Bridge:
             raise ValueError(f"{message}; expected it to be able to fly")
         self.autopilot = Autopilot(
             self.plant.vehicle, world.home, self.step_s, self._sensors.observe(self.plant.truth), self.plant.truth,
-            direct=self.direct, pack=world.battery,
+            direct=self.direct, pack=world.battery, rate_gains=world.truth.rate_gains,
         )  # fmt: skip
         self._held = False
         if not landed:

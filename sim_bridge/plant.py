@@ -61,7 +61,7 @@ class Plant:
         self.world = world
         self.steps_per_second = steps_per_second
         self.step_s = 1.0 / steps_per_second
-        self._wanted = thrust_wanted(self.vehicle.rotors)
+        self._wanted = thrust_wanted(self.vehicle.rotors, world.truth.thrust_curve)
         rotors = world.truth.rotors
         self._spins = rotors is not None
         self._course = (

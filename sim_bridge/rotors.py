@@ -23,11 +23,22 @@ def torque_per_newton(rotor: Rotor) -> Vec3:
     return (-y, x, rotor.spin.reaction * rotor.torque_per_thrust)
 
 
-def thrust_wanted(rotors: tuple[Rotor, ...]) -> Callable[[Four], Four]:
+def thrust_wanted(rotors: tuple[Rotor, ...], curve: float = 0.0) -> Callable[[Four], Four]:
     """A function from commands to the thrusts (N) they ask for, each command held to its rotor's range.
 
-    A command that is not a number asks for the bottom of the range.
+    A command that is not a number asks for the bottom of the range. ``curve``: the part of the thrust that goes with
+    the square of the command over its highest (PX4's THR_MDL_FAC).
     """
+    if curve > 0.0:
+        straight, highest = thrust_wanted(rotors), [rotor.thrust_max * rotor.command[1] for rotor in rotors]
+
+        def curved(commands: Four) -> Four:
+            a, b, c, d = (
+                n * ((1.0 - curve) + curve * abs(n) / most) for n, most in zip(straight(commands), highest, strict=True)
+            )
+            return (a, b, c, d)
+
+        return curved
     (low0, high0), (low1, high1), (low2, high2), (low3, high3) = (rotor.command for rotor in rotors)
     n0, n1, n2, n3 = (rotor.thrust_max for rotor in rotors)
 

@@ -25,8 +25,9 @@ class Deviations:
 
     ``mass`` kg, ``inertia`` kg m^2, ``motor_lag`` s, ``drag`` 1/s, ``thrust_scale`` true over stated thrust. What
     vehicle files do not know: ``angular_drag`` N m s (torque against the body rates), ``rotor_drag`` 1/s (linear, over
-    mass, in the rotors' plane only), ``quadratic_drag`` 1/m (over mass, against the airspeed), ``rotors`` in the
-    place of the motor lag.
+    mass, in the rotors' plane only), ``quadratic_drag`` 1/m (over mass, against the airspeed), ``thrust_curve`` the
+    part of the thrust that goes with the command's square (what THR_MDL_FAC should be), ``rate_gains`` the autopilot's
+    rate gains about roll, pitch, yaw over those it would usually have, ``rotors`` in the place of the motor lag.
     """
 
     mass: float | None = None
@@ -37,6 +38,8 @@ class Deviations:
     angular_drag: float = 0.0
     rotor_drag: float = 0.0
     quadratic_drag: float = 0.0
+    thrust_curve: float = 0.0
+    rate_gains: Vec3 = (1.0, 1.0, 1.0)
     rotors: RotorDynamics | None = None
 
 

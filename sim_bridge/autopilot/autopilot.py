@@ -49,13 +49,13 @@ class Autopilot:
 
     def __init__(
         self, vehicle: Vehicle, home: Home, step: float, estimate: Estimate, truth: Truth, *, direct: bool,
-        pack: Pack | None = None,
+        pack: Pack | None = None, rate_gains: Vec3 = (1.0, 1.0, 1.0),
     ) -> None:  # fmt: skip
         self.vehicle = vehicle
         self.home = home
         self.projection = MapProjection(home.latitude, home.longitude)
         self.direct = direct
-        self.parameters = parameters.of(vehicle, home, pack)
+        self.parameters = parameters.of(vehicle, home, pack, rate_gains)
         self.battery = Battery(self.parameters)
         self.commander = Commander(self.parameters, READY_AFTER)
         self.events = Events()
@@ -68,7 +68,7 @@ class Autopilot:
             self.parameters, self.commander, self.missions, self.mission, self.guidance, self.home_position, self.fence,
             home, self.projection,
         )  # fmt: skip
-        self.cascade = Cascade(vehicle, step)
+        self.cascade = Cascade(vehicle, step, rate_gains)
         self.sticks = ManualControl(self.parameters)
         self.checks = HealthAndArmingChecks(self.parameters, self.commander, self.battery, self.fence, self.sticks)
         self.manual_flight = ManualFlight(self.parameters, self.cascade.hover, vehicle.gravity)

@@ -12,8 +12,11 @@ from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
+from companion.frames import Vec3
 from companion.vehicle import Vehicle
 from companion.world import Battery, Home
+from sim_bridge.control.mixing import Mixer
+from sim_bridge.control.rates import gains_for
 
 TABLE = Path(__file__).with_name("parameters.txt")
 HURRIED = ("COM_OF_LOSS_T", "COM_RC_LOSS_T", "COM_DL_LOSS_T", "COM_DISARM_PRFLT")
@@ -100,9 +103,14 @@ def defaults() -> Parameters:
     return Parameters(table())
 
 
-def of(vehicle: Vehicle, home: Home, battery: Battery | None = None) -> Parameters:
-    """A fresh set that describes a vehicle, where it stands, and its battery where the world has one."""
+def of(vehicle: Vehicle, home: Home, battery: Battery | None = None, rate_gains: Vec3 = (1.0, 1.0, 1.0)) -> Parameters:
+    """A fresh set that describes a vehicle, where it stands, its battery where the world has one, and its rate gains,
+    ``rate_gains`` being theirs over the usual ones."""
     found = dict(table())
+    gains = gains_for(vehicle, Mixer(vehicle.rotors), rate_gains)
+    for kind, by_axis in (("P", gains.proportional), ("I", gains.integral), ("D", gains.derivative)):
+        for axis, gain in zip(("ROLL", "PITCH", "YAW"), by_axis, strict=True):
+            found[f"MC_{axis}RATE_{kind}"] = float(f"{gain:.6g}")
     lever = max(abs(x) for rotor in vehicle.rotors for x in rotor.position_b[:2]) or 1.0
     for i, rotor in enumerate(vehicle.rotors):
         x, y, z = rotor.position_b

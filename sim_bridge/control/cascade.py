@@ -21,15 +21,16 @@ STOPPED: Four = (0.0, 0.0, 0.0, 0.0)
 
 
 class Cascade:
-    """The loops of one vehicle. ``hover``: the normalised thrust that carries it (0..1). Thrusts are normalised.
+    """The loops of one vehicle. ``rate_gains``: over the usual ones, by axis. ``hover``: the normalised thrust that
+    carries it (0..1). Thrusts are normalised.
 
     ``commands``: the last motor commands, in the rotors' units; ``thrust``: the last thrust asked for.
     """
 
-    def __init__(self, vehicle: Vehicle, step: float) -> None:
+    def __init__(self, vehicle: Vehicle, step: float, rate_gains: Vec3 = (1.0, 1.0, 1.0)) -> None:
         self._mixer = Mixer(vehicle.rotors)
         self.hover = vehicle.weight / self._mixer.thrust_per_unit
-        self._rates = RateLoop(gains_for(vehicle, self._mixer), step)
+        self._rates = RateLoop(gains_for(vehicle, self._mixer, rate_gains), step)
         self._every = max(1, round(POSITION_PERIOD / step))
         self.position_step = self._every * step
         self._position = PositionLoop(self.hover, vehicle.gravity, self.position_step)

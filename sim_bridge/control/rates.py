@@ -44,14 +44,15 @@ class RateGains:
     derivative: Vec3
 
 
-def gains_for(vehicle: Vehicle, mixer: Mixer) -> RateGains:
-    """PX4's gains carried over to a vehicle, softer where its motors are too slow for them."""
+def gains_for(vehicle: Vehicle, mixer: Mixer, tuned: Vec3 = (1.0, 1.0, 1.0)) -> RateGains:
+    """PX4's gains carried over to a vehicle, softer where its motors are too slow for them. ``tuned``: over these, by
+    axis."""
     factors = []
     for axis in range(3):
         acceleration = mixer.torque_per_unit[axis] / vehicle.inertia[axis]
         stiffness = PROPORTIONAL[axis] * SIH_ANGULAR_ACCELERATION[axis]
         soften = min(1.0, LAG_TIMES_GAIN_MAX / (stiffness * vehicle.motor_lag)) if vehicle.motor_lag > 0.0 else 1.0
-        factors.append(soften * SIH_ANGULAR_ACCELERATION[axis] / acceleration)
+        factors.append(tuned[axis] * soften * SIH_ANGULAR_ACCELERATION[axis] / acceleration)
     a, b, c = factors
     return RateGains(
         (PROPORTIONAL[0] * a, PROPORTIONAL[1] * b, PROPORTIONAL[2] * c),

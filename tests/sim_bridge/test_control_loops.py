@@ -22,13 +22,15 @@ from companion.frames import (
     to_world,
 )
 from companion.vehicle import Rotor, Spin, Vehicle
+from companion.world import Home
+from sim_bridge.autopilot.parameters import of
 from sim_bridge.control.attitude import GAINS, RATE_MAX, SMOOTHING, YAW_WEIGHT, Smoothed, rates_for, smoothed
 from sim_bridge.control.filters import ButterworthLowPass, LowPass
 from sim_bridge.control.mixing import Mixer
 from sim_bridge.control.position import THRUST_MIN, TILT_MAX, PositionLoop, Target
 from sim_bridge.control.rates import Axis
 from sim_bridge.control.reference import Reference, TrajectoryLimits, along, arrival_speed, towards
-from sim_bridge.rotors import torque_per_newton
+from sim_bridge.rotors import thrust_wanted, torque_per_newton
 from sim_bridge.sensors import Estimate
 
 
@@ -282,3 +284,26 @@ def test_arrival_speed_grows_with_the_distance() -> None:
     assert speeds[0] == 0.0
     assert speeds == sorted(speeds)
     assert speeds[-1] == 5.0
+
+
+def test_rate_gains_of_a_vehicle_are_px4s_for_its_own_torque_and_are_told() -> None:
+    """MC_*RATE_P times the angular acceleration of a torque of 1 is alike on every vehicle; a tuner's factor on top."""
+    for name in ("sih", "x500"):
+        vehicle = load_vehicle(name)
+        mixer = Mixer(vehicle.rotors)
+        told, tuned = of(vehicle, Home()), of(vehicle, Home(), rate_gains=(1.5, 1.0, 0.7))
+        for axis, (which, usual, factor) in enumerate((("ROLL", 0.15, 1.5), ("PITCH", 0.15, 1.0), ("YAW", 0.2, 0.7))):
+            p = told[f"MC_{which}RATE_P"]
+            stiffness = p * mixer.torque_per_unit[axis] / vehicle.inertia[axis]
+            assert stiffness == pytest.approx(usual * (113.137, 113.137, 13.3333)[axis], rel=1e-4)
+            assert tuned[f"MC_{which}RATE_P"] == pytest.approx(factor * p, rel=1e-4)
+            if name == "sih":
+                assert p == pytest.approx(usual, rel=1e-6)
+
+
+def test_a_thrust_curve_bends_between_nothing_and_everything() -> None:
+    rotors = load_vehicle("sih").rotors
+    straight, curved = thrust_wanted(rotors), thrust_wanted(rotors, 0.3)
+    for command in (0.0, 1.0, 2.0, math.nan):
+        assert curved((command,) * 4) == pytest.approx(straight((command,) * 4))
+    assert curved((0.5,) * 4)[0] == pytest.approx(5.0 * (0.3 * 0.25 + 0.7 * 0.5))

@@ -142,6 +142,12 @@ class TruthModel(Strict):
     """the true thrust of a command over the vehicle file's"""
     angular_drag_nms: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
     """the torque against the body rates, in N m per rad/s"""
+    thrust_curve: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    """the part of a rotor's thrust that goes with the command's square; THR_MDL_FAC stays 0, 0..1"""
+    rate_gains: Annotated[list[Annotated[float, Field(gt=0.05, le=5.0)]], Field(min_length=3, max_length=3)] = Field(
+        default_factory=lambda: [1.0, 1.0, 1.0]
+    )
+    """the autopilot's rate gains [roll, pitch, yaw] over those that its vehicle would usually be given"""
     rotors: RotorsModel | None = None
     """the paper's rotor dynamics instead of a motor lag (inertia_kgm2, thrust_factor)"""
 

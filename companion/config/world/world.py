@@ -129,6 +129,8 @@ def _truth(model: TruthModel) -> Deviations:
         angular_drag=model.angular_drag_nms,
         rotor_drag=model.rotor_drag_per_s,
         quadratic_drag=model.quadratic_drag_per_m,
+        thrust_curve=model.thrust_curve,
+        rate_gains=_vector(model.rate_gains),
         rotors=None if rotors is None else RotorDynamics(rotors.inertia_kgm2, rotors.thrust_factor),
     )
 
