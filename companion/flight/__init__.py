@@ -4,6 +4,7 @@ conduct    how a flight is to be conducted, as values: authority, finish, limits
 phases     the phases and the events, and the table of what follows what
 situation  what is looked at, as one value
 guards     what is seen -> events, each with its reason in words
+waiting    what a phase waits for, in words
 preflight  what must be there before the flight begins
 bench      tilted by hand: does the command turn it back?
 safety     what may not go on: conditions, times, actions

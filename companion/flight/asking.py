@@ -9,12 +9,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.flight.phases import Phase, Request
+from companion.flight.phases import TRIES, Phase, Request
 from companion.flight.situation import Answer
 from companion.vehicle import KnownStatus, Landed, Mode
 
-TRIES = 3
-"""times that a request is sent (issue 11, rule 2)."""
 RETRY, RETRY_HOLD = 0.5, 0.35
 """s between two tries: three lie within 1.5 s; and in an abort within the second after the last status (rule 2)."""
 FRESH, FRESH_LOST = 1.0, 0.3
@@ -25,9 +23,9 @@ BACK_AFTER = 1.5
 
 
 class Asking(NamedTuple):
-    """What a phase asks for. ``mode``: in which it was decided, None where it was not known. ``tries``: how often it
-    was sent, ``sent_at``: s, when last. ``was_away``: the link was, since the last try; ``again``: HOLD was given its
-    second three tries."""
+    """What a phase asks for. ``mode``: in which it was decided, None where it was not known; ``own``: what we asked for
+    ourselves, and may come yet. ``tries``: how often it was sent, ``sent_at``: s, when last. ``was_away``: the link
+    was, since the last try; ``again``: HOLD was given its second three tries."""
 
     request: Request
     mode: Mode | None
@@ -35,6 +33,7 @@ class Asking(NamedTuple):
     sent_at: float = -math.inf
     was_away: bool = False
     again: bool = False
+    own: Mode | None = None
 
 
 def begun(request: Request | None, before: Asking | None, status: KnownStatus) -> Asking | None:
@@ -43,7 +42,8 @@ def begun(request: Request | None, before: Asking | None, status: KnownStatus) -
         return None
     if before is not None and before.request is request:
         return before
-    return Asking(request, status.mode)
+    climbs = before is not None and before.request is Request.TAKE_OFF and before.tries
+    return Asking(request, status.mode, own=Mode.TAKEOFF if climbs else None)
 
 
 def asked(
@@ -78,7 +78,7 @@ def _allowed(asking: Asking, status: KnownStatus) -> bool:
     request = asking.request
     if request is Request.HOLD:  # only to end OFFBOARD, which PX4 keeps in mind through failsafes and landings
         return status.intended is Mode.OFFBOARD or (status.intended is None and status.mode is Mode.OFFBOARD)
-    if status.mode is not asking.mode or status.mode is None:
+    if status.mode is None or status.mode not in (asking.mode, asking.own):
         return False
     if request is Request.ARM:
         return status.armed is False and status.landed is Landed.ON_GROUND and not status.was_armed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from companion.flight.phases import Event
+from companion.flight.phases import Event, Phase
 from companion.vehicle import Mode
 
 ADVICE: dict[Event, str] = {
@@ -21,20 +21,25 @@ ADVICE: dict[Event, str] = {
 }
 """By what happened."""
 
-FATE: dict[Event, str] = {
-    Event.TAKEN_OVER: "nothing more was sent",
-    Event.LET_GO: "nothing more was sent, and the vehicle is in {mode} and will not return to OFFBOARD",
-    Event.DISARMED: "the vehicle is disarmed",
+ADVICE_AFTERWARDS: dict[Phase, str] = {
+    Phase.LAND: "land it by remote control or from the ground station",
+    Phase.RETURN: "land it by remote control or from the ground station",
+    Phase.DISARM: "disarm it before anybody walks up to it",
 }
-"""By what ended the flight, where that does not depend on what was asked."""
+"""Where the vehicle did not do the last things of a flight."""
+
+LEFT_ALONE = frozenset({Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY})
+"""Somebody else decided."""
 
 
 class Done(NamedTuple):
-    """What was done: ``flew`` in OFFBOARD on our setpoints, ``armed`` by us; HOLD ``hold_asked`` times,
-    ``hold_accepted`` or not."""
+    """What was done: OFFBOARD was ``begun``, which may have been taken unheard; ``flew`` in it on our setpoints;
+    ``armed`` by us; ``left``: it was seen to go on by itself; HOLD ``hold_asked`` times, ``hold_accepted`` or not."""
 
+    begun: bool = False
     flew: bool = False
     armed: bool = False
+    left: bool = False
     hold_asked: int = 0
     hold_accepted: bool = False
 
@@ -42,22 +47,35 @@ class Done(NamedTuple):
 def sentence(fault: str, event: Event, advice: str | None, last: Event, mode: Mode | None, done: Done) -> str:
     """``fault``: what happened first, ``event`` its kind; ``last``: what ended the flight; ``mode``: the last one that
     was heard."""
-    if event is Event.STOP:
+    if event in (Event.STOP, Event.STOP_ON_GROUND):
         return fault  # whoever stopped it knows the rest
     where = "an unknown mode" if mode is None else mode.words
-    return f"{fault.rstrip('.')}: {_fate(last, where, done)}; {advice or ADVICE.get(event, 'see the report')}"
+    return f"{fault.rstrip('.')}: {_fate(event, last, where, done)}; {advice or ADVICE.get(event, 'see the report')}"
 
 
-def _fate(last: Event, where: str, done: Done) -> str:
+def _fate(event: Event, last: Event, where: str, done: Done) -> str:
     """What became of the flight."""
     if not done.flew and not done.armed:
-        return "nothing was flown"
-    if last in FATE:
-        return FATE[last].format(mode=where)
+        if not done.begun or event is Event.REFUSED:
+            return "nothing was flown"
+        return f"OFFBOARD had been asked for, setpoints have stopped, and the vehicle was last heard in {where}"
+    if last is Event.TAKEN_OVER:
+        return "nothing more was sent"
+    if last is Event.DISARMED:
+        return "the vehicle is disarmed"
+    if last is Event.LET_GO:
+        if done.hold_asked:
+            return f"HOLD was asked for to end OFFBOARD, and the vehicle is in {where} and will not return to it"
+        kept = "nothing more was sent, and " if event in LEFT_ALONE else ""
+        return f"{kept}the vehicle is in {where} and will not return to OFFBOARD"
     if last is Event.HELD:
         return f"HOLD was asked for, and the vehicle is in {where}" if done.hold_asked else f"the vehicle is in {where}"
     if not done.flew:
         return f"the vehicle was armed, was last heard in {where}, and nothing more is asked of it"
+    if done.left and where == Mode.OFFBOARD.words:
+        return f"it was last heard in {where}, and HOLD was not answered: select another mode before it is armed again"
+    if done.left:
+        return f"the vehicle was last heard in {where}, and nothing more is asked of it"
     if done.hold_accepted:
         return f"HOLD was accepted, and the vehicle was last heard in {where}"
     asked = "HOLD was asked for without an answer, " if done.hold_asked else ""

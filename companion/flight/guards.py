@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.interruptions import (
+    DISARMED_FOR,
     abort_required,
     disarmed_externally,
     failsafe,
@@ -21,6 +22,7 @@ from companion.flight.interruptions import (
     stale,
     status_lost,
     stop,
+    stop_on_ground,
     taken_over,
     timed_out,
 )
@@ -159,7 +161,9 @@ def _down(s: Situation) -> str | None:
 
 
 def _disarmed(s: Situation) -> str | None:
-    return "disarmed" if s.status.armed is False else None
+    # a heartbeat that was sent since: the one before may be older than an ARM that was accepted
+    since = s.now - s.armed_heard > s.entered + DISARMED_FOR
+    return "disarmed" if s.status.armed is False and since else None
 
 
 def _let_go(s: Situation) -> str | None:
@@ -186,6 +190,7 @@ GUARDS: dict[Event, Callable[[Situation], str | None]] = {
     Event.DISARMED: _disarmed,
     Event.LET_GO: _let_go,
     Event.NOT_OURS: _not_ours,
+    Event.STOP_ON_GROUND: stop_on_ground,
     Event.STOP: stop,
     Event.LEFT_OFFBOARD: left_offboard,
     Event.TAKEN_OVER: taken_over,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from companion.flight.conduct import ControlAuthority
-from companion.flight.phases import FLOWN, PHASES, Phase
+from companion.flight.phases import FLOWN, PHASES, TRIES, Phase
 from companion.flight.safety import Action
 from companion.flight.situation import Reply, Situation
 from companion.vehicle import Landed, Mode
@@ -12,13 +12,21 @@ STATE_AGE_MAX = 0.2
 """s: an older state is none (issue 11, rule 1)."""
 STATUS_LOST_AFTER = 2.5
 """s without a word about the mode after which setpoints end: with the level ones of an abort within 3 s (rule 2)."""
-SILENT_AFTER = 2.5
-"""s without a word about the mode while taking off, after which nothing more is asked for."""
+SILENT_AFTER = {
+    **dict.fromkeys((Phase.ARM, Phase.TAKE_OFF), 2.5),
+    **dict.fromkeys((Phase.LAND, Phase.RETURN, Phase.RELEASE), 30.0),
+}
+"""s without a word about the mode after which nothing more is waited for: while taking off nothing more may be asked
+then; once the vehicle lands by itself, the link may be away behind a tree (engineering choice)."""
+ANSWER_WITHIN = 5.0
+"""s after the last of TRIES after which what was neither answered nor done is not going to be."""
 DISARMED_FOR = 0.25
-"""s after ARM was accepted from which on a heartbeat that says disarmed was sent later (engineering choice: two times
-the longest way that is flown with)."""
+"""s after ARM was accepted, or disarming began, from which on a heartbeat that says disarmed was sent later
+(engineering choice: two times the longest way that is flown with)."""
 CONFIRM_WITHIN = 1.5
 """s after an accepted mode change within which telemetry must show it (the heartbeat alone is 1 Hz)."""
+BEGINS = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN)
+"""The phases in which the vehicle does by itself what it was asked for."""
 EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
     Phase.ARM: frozenset(),
     Phase.TAKE_OFF: frozenset({Mode.TAKEOFF, Mode.HOLD}),
@@ -31,6 +39,10 @@ EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
 
 def stop(s: Situation) -> str | None:
     return "stopped by the user" if s.stop else None
+
+
+def stop_on_ground(s: Situation) -> str | None:
+    return "stopped by the user" if s.stop and s.status.landed is Landed.ON_GROUND else None
 
 
 def elsewhere(s: Situation) -> bool:
@@ -89,7 +101,7 @@ def stale(s: Situation) -> str | None:
     if silent <= STATE_AGE_MAX:
         return None
     if s.unusable is None and s.late > 0.5 * STATE_AGE_MAX:
-        return f"no state from the vehicle younger than {STATE_AGE_MAX:g} s: they come {s.late:.2f} s late"
+        return f"no state from the vehicle younger than {STATE_AGE_MAX:g} s: the last came {s.late:.2f} s late"
     if s.unusable is None:
         return f"no state from the vehicle for {silent:.2f} s"
     return f"no new state from the vehicle for {silent:.2f} s: {s.unusable}"
@@ -104,7 +116,7 @@ def status_lost(s: Situation) -> str | None:
 
 def silent(s: Situation) -> str | None:
     silent = s.status.mode_age
-    return f"nothing heard from the vehicle for {silent:.1f} s" if silent > SILENT_AFTER else None
+    return f"nothing heard from the vehicle for {silent:.1f} s" if silent > SILENT_AFTER[s.phase] else None
 
 
 def law_failed(s: Situation) -> str | None:
@@ -130,6 +142,12 @@ def timed_out(s: Situation) -> str | None:
     lasted = s.now - s.entered
     if s.phase in FLOWN and s.authority is ControlAuthority.COMPANION and not s.mode_seen and lasted > CONFIRM_WITHIN:
         return f"OFFBOARD was accepted but the vehicle reports {mode_words(s)}"
+    unanswered = s.asked >= TRIES and s.now - s.asked_at > ANSWER_WITHIN and (s.answer is None or not s.answer.accepted)
+    if unanswered and s.phase in BEGINS and not s.mode_seen:
+        told = "did not answer" if s.answer is None else f"answered {s.answer.reply.words}"
+        return f"{s.phase.value} was not begun within {lasted:.0f} s: the vehicle {told}"
+    if unanswered and s.phase is Phase.RELEASE and s.status.armed is False:
+        return "OFFBOARD could not be ended for good: the vehicle does not answer"
     if row.time_out is None or lasted <= row.time_out:
         return None
     if s.phase is Phase.HAND_BACK and s.authority is ControlAuthority.PILOT:

@@ -55,6 +55,7 @@ class Event(enum.Enum):
     LET_GO = "offboard no longer meant"
     # pre-empting
     NOT_OURS = "not to be begun"
+    STOP_ON_GROUND = "told to stop on the ground"
     STOP = "told to stop"
     LEFT_OFFBOARD = "pilot left offboard"
     TAKEN_OVER = "mode changed by another"
@@ -80,6 +81,10 @@ class Request(enum.Enum):
     HOLD = "hold mode"
     LAND = "land"
     RETURN = "return mode"
+
+
+TRIES = 3
+"""times that a request is sent (issue 11, rule 2)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +155,7 @@ PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
     (Event.FAILSAFE, dict.fromkeys(
         (Phase.TAKE_OFF, Phase.TAKE_OVER, *FLOWN, Phase.LAND, Phase.RETURN), Phase.RELEASE)),
     (Event.NOT_OURS, {Phase.PREFLIGHT: Phase.DONE}),
-    (Event.SILENT, dict.fromkeys((Phase.ARM, Phase.TAKE_OFF), Phase.DONE)),
+    (Event.SILENT, dict.fromkeys((Phase.ARM, Phase.TAKE_OFF, Phase.LAND, Phase.RETURN, Phase.RELEASE), Phase.DONE)),
     (Event.STALE, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
     (Event.STATUS_LOST, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
     (Event.LAW_FAILED, {
@@ -159,6 +164,7 @@ PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
     }),
     (Event.ABORT_REQUIRED, dict.fromkeys((Phase.TAKE_OVER, *FLOWN, Phase.HAND_BACK), Phase.ABORT)),
     (Event.HAND_BACK_REQUIRED, dict.fromkeys((Phase.TAKE_OVER, *FLOWN), Phase.HAND_BACK)),
+    (Event.STOP_ON_GROUND, {Phase.TAKE_OFF: Phase.DISARM}),
     (Event.STOP, {
         Phase.PREFLIGHT: Phase.DONE,
         Phase.ARM: Phase.DISARM,

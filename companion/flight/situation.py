@@ -46,7 +46,7 @@ class Situation(NamedTuple):
 
     ``now``, ``entered``: s, our clock, and since when the phase lasts. ``status``: what is known of the vehicle.
     ``mode_seen``: the mode of this phase was seen in telemetry. ``decided_in``: the mode in which the phase began to
-    ask, ``asked``: how often it has. ``state_at``: when the last state was measured;
+    ask, ``asked``: how often it has, ``asked_at`` s when last. ``state_at``: when the last state was measured;
     ``unusable``: what came in its place; ``late``: s that it came late.
     ``answer``: the last answer to this phase's request, ``answered``: s since it came, and ``armed_heard``: s since
     armed was last said. ``from_ground``: the flight began on the ground.
@@ -77,6 +77,7 @@ class Situation(NamedTuple):
     verdict: Verdict = NO_FAULT
     decided_in: Mode | None = None
     asked: int = 1
+    asked_at: float = math.inf
     unusable: str | None = None
     late: float = 0.0
     answered: float = 0.0

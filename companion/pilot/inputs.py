@@ -126,6 +126,7 @@ def situation(
         verdict=verdict if PHASES[memory.phase].steers else safety.NO_FAULT,
         decided_in=memory.decided_in,
         asked=0 if memory.asking is None else memory.asking.tries,
+        asked_at=math.inf if memory.asking is None else memory.asking.sent_at,
         unusable=memory.watch.unusable,
         late=memory.watch.late,
         answered=now - memory.answered_at,

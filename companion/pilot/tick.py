@@ -14,7 +14,7 @@ from companion.flight.asking import asked
 from companion.flight.bench import looked
 from companion.flight.conduct import ControlAuthority
 from companion.flight.guards import STREAM_FIRST
-from companion.flight.interruptions import STATE_AGE_MAX
+from companion.flight.interruptions import SILENT_AFTER, STATE_AGE_MAX
 from companion.flight.phases import PHASES, Event, Phase, Request
 from companion.frames import euler_from_rotation
 from companion.law.errors import LawError
@@ -32,7 +32,7 @@ from companion.pilot.targets import (
     trimmed,
     turning,
 )
-from companion.pilot.transitions import SEARCH_ANEW, Moment, change_phase, tell_missing
+from companion.pilot.transitions import SEARCH_ANEW, Moment, change_phase, tell_waiting
 from companion.plan import Plan
 from companion.steering.steering import Steered
 from companion.vehicle import Landed, Mode, Setpoint, VehicleState, VehicleStatus
@@ -41,6 +41,8 @@ DT_MAX = 0.1
 """s; a longer gap between two stamps is integrated as this much."""
 LEVEL_FOR = 0.3
 """s of level setpoints after an abort; then silence, so that the autopilot's own failsafe can act."""
+WAITS = frozenset({Phase.PREFLIGHT, Phase.STAND_BY, *SILENT_AFTER})
+"""The phases that may have to wait for the vehicle."""
 REACHED_WITHIN = 1.0
 """m from the path at which it counts as reached: from then on the tube around it is watched."""
 
@@ -116,8 +118,8 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
     else:
         memory = change_phase(moment, memory)
         memory, command = _commanded(moment, memory, fresh)
-    if memory.phase is Phase.PREFLIGHT:
-        memory = tell_missing(moment, memory)
+    if memory.phase in WAITS:
+        memory = tell_waiting(moment, memory)
     memory, request, sent = _requested(moment, memory)
     actions: tuple[PathAction, ...] = ()
     if fresh:
@@ -235,6 +237,8 @@ def _requested(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, 
         return memory, None, False  # a failsafe that flies is left alone; on the ground OFFBOARD is ended for good
     lost = memory.last_event is Event.STALE
     later, sent = asked(asking, memory.answer, status, memory.phase, now, lost=lost)
+    if sent and asking.request is Request.OFFBOARD and not memory.done.begun:
+        memory = memory._replace(done=memory.done._replace(begun=True))
     if sent and asking.request is Request.HOLD:
         memory = memory._replace(done=memory.done._replace(hold_asked=memory.done.hold_asked + 1))
     return memory if later is asking else memory._replace(asking=later), asking.request, sent

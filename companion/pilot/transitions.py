@@ -8,9 +8,11 @@ from companion.flight import safety
 from companion.flight.asking import begun
 from companion.flight.bench import lacking
 from companion.flight.conduct import ControlAuthority
+from companion.flight.epilogue import ADVICE_AFTERWARDS
 from companion.flight.guards import decide
 from companion.flight.phases import PHASES, Event, Phase
-from companion.pilot.inputs import missing_now, situation
+from companion.flight.waiting import waited_for
+from companion.pilot.inputs import situation
 from companion.pilot.memory import OWN_MODE, Memory, Missing, Observation, Progress
 from companion.pilot.targets import JOIN_WITHIN, beginning, end, here, join, on_path
 from companion.plan import Plan
@@ -23,11 +25,15 @@ SEARCH_ANEW = 0.5
 """m of an estimator's jump from which on the nearest point is sought on the whole path."""
 
 FAULTS = frozenset({
-    Event.STOP, Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY, Event.STALE, Event.LAW_FAILED,
-    Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED, Event.REFUSED, Event.TIMED_OUT, Event.STATUS_LOST, Event.SILENT,
-    Event.NOT_OURS,
+    Event.STOP, Event.STOP_ON_GROUND, Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY, Event.STALE,
+    Event.LAW_FAILED, Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED, Event.REFUSED, Event.TIMED_OUT, Event.STATUS_LOST,
+    Event.SILENT, Event.NOT_OURS,
 })  # fmt: skip
 """The events after which a flight is not completed."""
+
+
+BY_ITSELF = (Phase.LAND, Phase.RETURN, Phase.DISARM, Phase.RELEASE)
+"""The phases in which the vehicle does not fly on our setpoints any more, and that is known."""
 
 
 class Moment(NamedTuple):
@@ -60,6 +66,8 @@ def _entered(moment: Moment, memory: Memory, phase: Phase, event: Event, reason:
     came_from = memory.phase
     if memory.first_fault is None and event in FAULTS:
         advice = moment.verdict.advice if event in (Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED) else None
+        if event in (Event.TIMED_OUT, Event.REFUSED):
+            advice = ADVICE_AFTERWARDS.get(came_from)
         memory = memory._replace(first_fault=reason, fault_event=event, advice=advice)
     request = PHASES[phase].request if plan.conduct.authority is ControlAuthority.COMPANION else None
     asking = begun(request, memory.asking, status)
@@ -74,6 +82,7 @@ def _entered(moment: Moment, memory: Memory, phase: Phase, event: Event, reason:
         mode_seen=memory.mode_seen and OWN_MODE.get(phase) is OWN_MODE.get(came_from),
         from_ground=memory.from_ground or event is Event.READY_ON_GROUND,
         finished=memory.finished or event is Event.FINISHED,
+        done=memory.done._replace(left=True) if phase in BY_ITSELF else memory.done,
     )
     state = memory.state
     if state is None:
@@ -107,10 +116,10 @@ def _aim(plan: Plan, memory: Memory, phase: Phase, state: VehicleState) -> At | 
     return memory.aim
 
 
-def tell_missing(moment: Moment, memory: Memory) -> Memory:
-    """Before the flight: what it lacks is told when it has for a while, and again when that changes."""
-    plan, seen, status, _, now, notes = moment
-    lacks = missing_now(plan, memory, seen, status, now)
+def tell_waiting(moment: Moment, memory: Memory) -> Memory:
+    """What a flight waits for is told when it has for a while, and again when that changes."""
+    plan, seen, status, verdict, now, notes = moment
+    lacks = waited_for(situation(plan, memory, seen, status, verdict, now, None))
     words = "" if lacks is None else "".join(letter for letter in lacks if not letter.isdigit())
     known = memory.missing
     if known is None or known.words != words:

@@ -97,14 +97,14 @@ def test_a_second_signal_ends_it_at_once(first: signal.Signals, tmp_path: Path) 
     for number in plant:
         os.kill(int(number), signal.SIGSTOP)
     process.send_signal(first)
-    while "hand back" not in (line := process.stderr.readline()):
+    while "-> disarm" not in (line := process.stderr.readline()):
         assert line
     process.send_signal(signal.SIGTERM)
     code = process.wait(10.0)
     _, said = process.communicate(timeout=10.0)  # the plant is gone too: nobody holds the pipes
     assert code == 130
     assert "a second signal: the companion ends at once and hands nothing back; the vehicle " in said
-    assert "hand back ->" not in said  # it did not wait for the vehicle
+    assert "disarm ->" not in said  # it did not wait for the vehicle
     assert len(read_table(tmp_path / "flight" / "flight.npy").rows) > 10
 
 

@@ -328,7 +328,9 @@ def test_a_failsafe_of_the_vehicle_is_left_alone_and_offboard_ended_after_it() -
 
     watched = fly(meddle=once(AT, fence), after=0.5)
     flown = watched.flown
-    assert watched.said.startswith("the vehicle left OFFBOARD by itself, for Hold (a failsafe): nothing more was sent")
+    assert watched.said.startswith(
+        "the vehicle left OFFBOARD by itself, for Hold (a failsafe): HOLD was asked for to end"
+    )
     assert flown.between.truth.on_ground
     commander = flown.between.bridge.autopilot.commander
     assert not commander.armed
@@ -350,7 +352,9 @@ def test_the_operator_changes_the_mode(command: tuple[float, ...], says: str) ->
 def test_the_operator_disarms_in_the_air() -> None:
     """It falls, as he wanted; but when it is armed again it will not be in OFFBOARD."""
     watched = fly(meddle=once(AT, lambda f: Operator(f.between.bridge).commands(400, 0.0, 21196.0)))
-    assert watched.said.startswith("the vehicle was disarmed: nothing more was sent")
+    assert watched.said.startswith(
+        "the vehicle was disarmed: HOLD was asked for to end OFFBOARD, and the vehicle is in Ho"
+    )
     assert watched.flown.between.bridge.autopilot.commander.user_intended_mode is Mode.HOLD
     assert watched.flown.setpoints[-1][0] < AT + 1.1  # the heartbeat tells it, once a second
 
