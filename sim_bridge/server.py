@@ -109,6 +109,12 @@ class Server:
             to = "whoever calls" if endpoint.peer is None else "{}:{}".format(*endpoint.peer)
             log(f"{name}: from {':'.join(map(str, bound.getsockname()))} to {to}")
 
+    @property
+    def local(self) -> Address:
+        """From where the vehicle speaks to the companion now."""
+        host, port = self._sockets[0].getsockname()
+        return host, port
+
     def run(self, stopped: Callable[[], bool]) -> None:
         """Step until ``stopped()`` says so."""
         gc.collect()

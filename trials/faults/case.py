@@ -31,7 +31,7 @@ class End(enum.Enum):
     ``FLOWN``: as if nothing had happened. ``HELD``: given up with a reason, and the vehicle holds. ``REFUSED``: not
     begun: nothing armed, no mode asked for. ``OPERATORS``: over, and the vehicle does what its operator said last.
     ``FAILSAFE``: over, and what PX4 does about lost setpoints decides. ``ENDED``: over with a reason; the vehicle cannot
-    be held, or was already on the ground.
+    be held, or was already on the ground. ``DISARMED``: over with a reason, and the vehicle is disarmed.
     """
 
     FLOWN = "flown"
@@ -40,6 +40,7 @@ class End(enum.Enum):
     OPERATORS = "the operator's"
     FAILSAFE = "PX4's failsafe"
     ENDED = "ended"
+    DISARMED = "disarmed"
 
 
 @dataclass(frozen=True)
@@ -96,3 +97,8 @@ def shifted(event: Event, t: float) -> Event:
 def at(t: float, order: Order) -> Operator:
     """The operator's order at a time, s."""
     return Operator(When(t, t), order)
+
+
+def levels_of(phase: Phase) -> tuple[OutputLevel, ...]:
+    """The levels at which a phase lasts: at motors the scale of the thrust need not be found first."""
+    return LEVELS[:2] if phase is Phase.SETTLE else LEVELS

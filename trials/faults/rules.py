@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from companion.flight.conduct import ControlAuthority
 from companion.flight.phases import Phase
 from companion.mavlink.modes import Mode
-from companion.world.events import Order
+from companion.world.events import LinkEvent, Operator, Order, PortChange, Sticks, Stranger
 from sim_bridge.strangers import MODES
-from trials.faults.flying import Flight, Word
+from trials.faults.course import Flight, Word
 
 STATUS_AGE_MAX = 1.0
 """s after the vehicle last spoke of its mode in which a mode, arming or a place may still be asked for."""
@@ -33,6 +33,7 @@ def broken(flight: Flight) -> list[str]:
         *_blind_commands(flight),
         *(words for word in last_words(flight) for words in _against(flight, word)),
         *_unasked(flight),
+        *_false_words(flight),
     ]
 
 
@@ -114,3 +115,18 @@ def _unasked(flight: Flight) -> Iterator[str]:
     """Only the companion's own start arms and changes modes."""
     if flight.case.authority is not ControlAuthority.COMPANION and flight.traffic.commands:
         yield f"{len(flight.traffic.commands)} commands in a flight that asks for nothing"
+
+
+def _false_words(flight: Flight) -> Iterator[str]:
+    """What is said at the end is so."""
+    said, traffic = flight.sentence or "", flight.traffic
+    arming = next((command.at for command in traffic.commands if command.words == "ARM"), math.inf)
+    if "nothing was flown" in said and any(heard.armed and heard.at > arming for heard in traffic.statuses):
+        yield f"says that nothing was flown, and had armed: {said}"
+    events = (*flight.case.events, *(event for strike in flight.case.strikes for event in strike.events))
+    acted = flight.words or any(isinstance(event, Sticks) for event in events)
+    if said.startswith(("the operator took over", "the pilot took over")) and not acted and not flight.mutated:
+        yield f"says what no operator did: {said}"
+    only_the_link = all(isinstance(event, LinkEvent | Operator | Stranger | PortChange) for event in events)
+    if "propeller" in said and only_the_link and not flight.mutated:
+        yield f"names the propellers where the link was the cause: {said}"

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 import multiprocessing
+import random
 import traceback
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from companion.plain_text import printable
 from companion.vehicle import OutputLevel
 from trials.faults.case import LEVELS, Case
+from trials.faults.course import Flight
 from trials.faults.deck import DECK, GROUPS
+from trials.faults.deck.seen import SEEN
 from trials.faults.flying import fly
+from trials.faults.real_time import fly_over_udp
 from trials.faults.verdict import commands_after_the_last_word, end_in_words, wrong
 
 HEAD = (
@@ -20,22 +24,37 @@ HEAD = (
 )
 PAGE = """# Faults
 
-Every fault that was ever seen or thought of, each as a flight in lockstep against the stand-in, at {levels}, from a
-hover on a circle of 5 m at 10 m height and 3 m/s unless it says otherwise. Made by
-`python -m bench.faults`; each row is a case of `trials/faults/deck`, whose world keys `docs/worlds.md` explains.
+Every fault that was ever seen or thought of, each as a flight in lockstep against the stand-in, from a hover on a circle
+of 5 m at 10 m height and 3 m/s unless it says otherwise. Made by `python -m bench.faults`; each row is a case of
+`trials/faults/deck`, whose world keys `docs/worlds.md` explains. Three figures are those at rates, attitude and motors;
+one stands for all; a case that is not for a level is not flown at it.
 
 *Must end*: flown as if nothing had happened; held (given up with a reason, the vehicle in Hold); refused (nothing armed,
 no mode asked for); the operator's (over, and the vehicle does what he said); PX4's failsafe (over, and what PX4 does about
-lost setpoints decides); ended (over with a reason, where nothing is left to hold). *Lowest* is the true height while the
+lost setpoints decides); ended (over with a reason, where nothing is left to hold);
+disarmed (the same, and it is disarmed). *Lowest* is the true height while the
 vehicle was in OFFBOARD or Hold after the fault, of the height it flew at then; *steepest* the true tilt in that time.
 *Commands* are those for a mode, arming or a place that the companion sent after it had heard the operator's last word
 (one state after the status that shows it); a dash where he said nothing. A difference from how it must be stands in bold.
 
 """
+UDP = """## Over UDP, in real time
+
+Of every kind that was seen one case, and some others, drawn by a seed: the daemon's own loop and socket, the vehicle a process of its own. Made by
+`python -m bench.faults --udp`.
+
+"""
+
+
+OTHERS = 8
+"""Flights over UDP beside those of what was seen."""
+BEHIND = 0.2
+"""s that the plant's time may slip behind before it is told."""
 
 
 class Row(NamedTuple):
-    """One flight of the table. ``commands``: after the operator's last word; ``wrong``: what is not as it must be."""
+    """One flight of the table. ``commands``: after the operator's last word; ``wrong``: what is not as it must be.
+    ``udp``: flown over UDP in real time."""
 
     name: str
     level: OutputLevel
@@ -46,6 +65,7 @@ class Row(NamedTuple):
     commands: int | None
     said: str
     wrong: tuple[str, ...]
+    udp: bool = False
 
 
 def flown(case: Case, level: OutputLevel) -> Row:
@@ -55,15 +75,44 @@ def flown(case: Case, level: OutputLevel) -> Row:
     except Exception:
         line = traceback.format_exc().strip().splitlines()[-1]
         return Row(case.name, level, "an exception", math.inf, 0.0, 0.0, None, "", (line,))
+    return _row(flight)
+
+
+def _row(flight: Flight) -> Row:
     return Row(
-        case.name, level, end_in_words(flight), flight.lowest, flight.height_then, math.degrees(flight.steepest),
-        commands_after_the_last_word(flight), flight.sentence or "", tuple(wrong(flight)),
+        flight.case.name, flight.level, end_in_words(flight), flight.lowest, flight.height_then,
+        math.degrees(flight.steepest), commands_after_the_last_word(flight), flight.sentence or "",
+        tuple(wrong(flight)),
     )  # fmt: skip
 
 
-def rows(cases: Iterable[Case], levels: Iterable[OutputLevel], jobs: int) -> Iterator[Row]:
-    """Fly every case at every level that it is for, on so many processes; in order."""
-    flights = [(case, level) for case in cases for level in levels if level in case.levels]
+def flown_over_udp(case: Case, level: OutputLevel) -> Row:
+    """Fly a case at a level over UDP, in real time."""
+    flight, behind = fly_over_udp(case, level)
+    if behind > BEHIND:
+        print(f"{case.name}, {level.value}: the plant slipped {behind:.1f} s behind: the machine is busy")
+    return _row(flight)._replace(udp=True)
+
+
+def over_udp() -> list[Planned]:
+    """What is flown over UDP, drawn by a seed: of every kind that was seen one case, and some others."""
+    rng = random.Random("over UDP")
+    named = {case.name: case for case in DECK}
+    cases = [named[rng.choice(names)] for names in SEEN.values()]
+    cases += rng.sample([case for case in DECK if case not in cases], OTHERS)
+    return [(case, rng.choice(case.levels)) for case in cases]
+
+
+Planned = tuple[Case, OutputLevel]
+
+
+def flights_of(cases: Iterable[Case], levels: Iterable[OutputLevel]) -> list[Planned]:
+    """Every case at every one of these levels that it is for."""
+    return [(case, level) for level in levels for case in cases if level in case.levels]
+
+
+def rows(flights: Sequence[Planned], jobs: int) -> Iterator[Row]:
+    """Fly them, on so many processes; in order."""
     if jobs == 1:
         yield from (flown(*flight) for flight in flights)
         return
@@ -71,43 +120,65 @@ def rows(cases: Iterable[Case], levels: Iterable[OutputLevel], jobs: int) -> Ite
         yield from pool.imap(_flown, flights)
 
 
-def _flown(flight: tuple[Case, OutputLevel]) -> Row:
+def _flown(flight: Planned) -> Row:
     return flown(*flight)
 
 
-def page(found: Iterable[Row]) -> str:
-    """The whole of docs/faults.md."""
-    by_name: dict[str, list[Row]] = {}
-    for row in found:
-        by_name.setdefault(row.name, []).append(row)
-    flights = sum(map(len, by_name.values()))
-    not_right = sum(bool(row.wrong) for group in by_name.values() for row in group)
-    levels = " / ".join(
-        level.value for level in LEVELS if any(row.level is level for g in by_name.values() for row in g)
-    )
-    text = (
-        PAGE.format(levels=levels)
-        + f"{len(by_name)} of {len(DECK)} faults, {flights} flights, {flights - not_right} as they must be.\n"
+def page(found: Iterable[Row], commit: str) -> str:
+    """The whole of docs/faults.md. ``commit``: at which they were flown."""
+    flown = list(found)
+    by_name: dict[str, dict[OutputLevel, Row]] = {}
+    for row in flown:
+        if not row.udp:
+            by_name.setdefault(row.name, {})[row.level] = row
+    over_udp = {(row.name, row.level): row for row in flown if row.udp}
+    flights = [row for row in flown if not row.udp]
+    right = sum(not row.wrong for row in flights)
+    text = PAGE + (
+        f"{len(by_name)} faults, {len(flights)} flights at commit {commit}, {right} as they must be"
+        f"; over UDP {len(over_udp)}, {sum(not row.wrong for row in over_udp.values())} as they must be.\n"
     )
     for title, cases in GROUPS.items():
         lines = [_line(case, by_name[case.name]) for case in cases if case.name in by_name]
         if lines:
             text += f"\n## {title}\n\n{HEAD}{''.join(lines)}"
-    return text
+    lines = [
+        _line(case, {level: over_udp[case.name, level]}, f" (at {level.value})")
+        for case in DECK for level in LEVELS if (case.name, level) in over_udp
+    ]  # fmt: skip
+    return text + (f"\n{UDP}{HEAD}{''.join(lines)}" if lines else "")
 
 
-def _line(case: Case, group: list[Row]) -> str:
-    group.sort(key=lambda row: LEVELS.index(row.level))
+def _line(case: Case, group: dict[OutputLevel, Row], suffix: str = "") -> str:
     ends = " or ".join(end.value for end in (case.end, *case.or_end))
-    same = len({row.ended for row in group}) == 1 and not any(row.wrong for row in group)
-    ended = group[0].ended if same else " / ".join(f"**{r.ended}**" if r.wrong else r.ended for r in group)
-    lowest = " / ".join("-" if math.isinf(row.lowest) else f"{row.lowest:.1f}" for row in group)
-    of = max(row.of for row in group)
-    steepest = " / ".join(f"{row.steepest:.0f}" for row in group)
-    commands = "-" if group[0].commands is None else " / ".join(str(row.commands) for row in group)
-    said = printable(group[0].said).replace("|", "/")
-    height = lowest if of < 1.0 or lowest.startswith("-") else f"{lowest} of {of:.1f}"
-    return f"| {case.name} | {ends} | {ended} | {height} | {steepest} | {commands} | {said} |\n"
+    of = max(row.of for row in group.values())
+    lowest = _each(group, lambda row: "-" if math.isinf(row.lowest) else f"{row.lowest:.1f}")
+    cells = (
+        case.name + suffix,
+        ends,
+        _each(group, lambda row: f"**{row.ended}**" if row.wrong else row.ended),
+        lowest if of < 1.0 or lowest == "-" else f"{lowest} of {of:.1f}",
+        _each(group, lambda row: f"{row.steepest:.0f}"),
+        _each(group, lambda row: "-" if row.commands is None else str(row.commands)),
+        _said(group),
+    )
+    return f"| {' | '.join(cells)} |\n"
+
+
+def _each(group: dict[OutputLevel, Row], words: Callable[[Row], str]) -> str:
+    """What is told of each level, in their order; once where it is the same at all."""
+    told = [words(group[level]) for level in LEVELS if level in group]
+    return told[0] if len(set(told)) == 1 else " / ".join(told)
+
+
+def _said(group: dict[OutputLevel, Row]) -> str:
+    """The sentence; where a level says another one than the first, and not only another figure, that too."""
+    told: dict[str, str] = {}
+    for level in (level for level in LEVELS if level in group):
+        said = printable(group[level].said).replace("|", "/")
+        kind = "".join(letter for letter in said if not letter.isdigit())
+        told.setdefault(kind, said if not told else f"*{level.value}:* {said or 'nothing'}")
+    return " ".join(told.values())
 
 
 def cases_named(part: str) -> tuple[Case, ...]:

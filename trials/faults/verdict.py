@@ -10,7 +10,7 @@ from companion.mavlink.modes import Mode
 from companion.world.events import Order
 from sim_bridge.strangers import MODES
 from trials.faults.case import End
-from trials.faults.flying import Flight
+from trials.faults.course import Flight
 from trials.faults.rules import broken, commands_after, last_words
 
 HALF = 0.5
@@ -27,6 +27,8 @@ def wrong(flight: Flight) -> list[str]:
         found.append(f"ends otherwise than {told}: {_state_in_words(flight)}")
     if case.says and not (flight.completed and End.FLOWN in ends) and not re.search(case.says, flight.sentence or ""):
         found.append(f"says {flight.sentence!r}, expected {case.says!r}")
+    if flight.event_at is None and (case.events or case.strikes):
+        found.append("nothing happened: the phase it waits for never began")
     return found + list(_out_of_bounds(flight))
 
 
@@ -50,6 +52,8 @@ def _ended(flight: Flight, end: End) -> bool:
             return over and bool(flight.words) and _as_told(flight)
         case End.ENDED:
             return over and bool(flight.sentence)
+        case End.DISARMED:
+            return over and bool(flight.sentence) and not flight.armed
     raise AssertionError(end)
 
 

@@ -5,6 +5,7 @@ states      what the vehicle says wrongly of its state
 speakers    who speaks, and who does not
 operators   what a human does meanwhile
 machines    what the machine itself loses
+seen        which of them were seen on a real link, or in daemons of old
 """
 
 from __future__ import annotations

@@ -15,10 +15,11 @@ from companion.world.events import (
     LinkThin,
     When,
 )
-from trials.faults.case import LEVELS, Begin, Case, End
+from trials.faults.case import LEVELS, Begin, Case, End, Strike, levels_of
 
 ODOMETRY = frozenset({"ODOMETRY"})
 STATUS = frozenset({"HEARTBEAT", "CURRENT_MODE"})
+JITTER = Link(Way(jitter=0.06), Way(jitter=0.06))
 BOTH_LATE = {delay: Link(Way(delay=delay), Way(delay=delay)) for delay in (0.06, 0.12, 0.15)}
 
 
@@ -50,14 +51,16 @@ OTHERS_TWICE = (
          link=Link(Way(loss=0.1, duplicated=1.0, reordered=0.3, duplicate_delay=0.02),
                    Way(loss=0.1, duplicated=1.0, reordered=0.3, duplicate_delay=0.02))),
     Case("a third of everything lost", End.FLOWN, link=Link(Way(loss=0.33), Way(loss=0.33))),
-    Case("up to 60 ms of jitter each way", End.FLOWN, link=Link(Way(jitter=0.06), Way(jitter=0.06))),
+    Case("up to 60 ms of jitter each way", End.FLOWN, link=JITTER, levels=LEVELS[:2]),
+    Case("up to 60 ms of jitter each way, at motors", End.HELD, "there and back|each way", link=JITTER,
+         or_end=(End.REFUSED, End.FLOWN), levels=LEVELS[2:]),
 )  # fmt: skip
 
 AGAIN = (
     Case("the last ODOMETRY again for ever", End.HELD, "no state|new state|stamp", phase=Phase.FOLLOW, within=0.5,
          events=(LinkRepeat(When(2.0), messages=ODOMETRY),)),
     Case("the last ODOMETRY again for ever, while settling", End.HELD, "no state|new state|stamp", within=0.5,
-         phase=Phase.SETTLE, events=(LinkRepeat(When(0.1), messages=ODOMETRY),)),
+         phase=Phase.SETTLE, events=(LinkRepeat(When(0.1), messages=ODOMETRY),), levels=levels_of(Phase.SETTLE)),
     Case("the last ODOMETRY again for 0.15 s", End.FLOWN, phase=Phase.FOLLOW,
          events=(LinkRepeat(When(2.0, 2.15), messages=ODOMETRY),)),
     Case("the last of every message again for ever", End.HELD, phase=Phase.FOLLOW, within=0.5, or_end=(End.FAILSAFE,),
@@ -106,8 +109,10 @@ CUT = (
     *(Case(f"the downlink cut in {phase.value}", End.HELD, phase=phase, begin=begin, finish=finish, duration=1.0,
            or_end=(End.FAILSAFE,), events=(down(t),))
       for phase, t, begin, finish in (
-          (Phase.TAKE_OVER, 0.05, Begin.ON_THE_PATH, Finish.HOLD), (Phase.SETTLE, 0.1, Begin.BESIDE, Finish.HOLD),
+          (Phase.TAKE_OVER, 0.05, Begin.ON_THE_PATH, Finish.HOLD),
           (Phase.JOIN, 1.0, Begin.BESIDE, Finish.HOLD), (Phase.FOLLOW, 0.5, Begin.ON_THE_PATH, Finish.HOLD))),
+    Case("the downlink cut in settle", End.HELD, phase=Phase.SETTLE, begin=Begin.BESIDE, or_end=(End.FAILSAFE,),
+         events=(down(0.1),), levels=levels_of(Phase.SETTLE)),
     Case("the downlink cut in hand back", End.HELD, phase=Phase.HAND_BACK, duration=1.0, or_end=(End.FLOWN, End.ENDED),
          events=(down(),)),
     *(Case(f"the downlink cut in {phase.value}", End.ENDED, phase=phase, begin=begin, finish=finish, duration=1.0,
@@ -115,10 +120,16 @@ CUT = (
       for phase, t, begin, finish in (
           (Phase.ARM, 0.0, Begin.ON_THE_GROUND, Finish.HOLD), (Phase.TAKE_OFF, 1.0, Begin.ON_THE_GROUND, Finish.HOLD),
           )),
-    Case("the downlink cut in return", End.ENDED, phase=Phase.RETURN, finish=Finish.RETURN, duration=1.0,
-         events=(down(1.0),), time_out=320.0, parameters={"RTL_RETURN_ALT": 12.0}),
+    *(Case(f"the downlink cut in {phase.value}", End.ENDED, "nothing heard from the vehicle for 30", phase=phase,
+           finish=finish, duration=1.0, events=(down(1.0),), parameters={"RTL_RETURN_ALT": 12.0}, time_out=60.0)
+      for phase, finish in ((Phase.LAND, Finish.LAND), (Phase.RETURN, Finish.RETURN))),
+    Case("the downlink cut in release", End.ENDED, "", phase=Phase.FOLLOW, events=(up(2.0),), time_out=60.0,
+         strikes=(Strike(Phase.RELEASE, (down(),)),), parameters={"COM_OBL_RC_ACT": 4}),
+    *(Case(f"the uplink cut before {phase.value} is asked for", End.ENDED, "not begun within 6 s", phase=Phase.HAND_BACK,
+           finish=finish, duration=1.0, events=(up(),), time_out=60.0)
+      for phase, finish in ((Phase.LAND, Finish.LAND), (Phase.RETURN, Finish.RETURN))),
     Case("the uplink cut for good, and PX4 lands", End.ENDED, phase=Phase.FOLLOW, events=(up(2.0),),
-         parameters={"COM_OBL_RC_ACT": 4}, time_out=320.0),
+         parameters={"COM_OBL_RC_ACT": 4}, says="HOLD was not answered", time_out=60.0),
     Case("the uplink cut for 0.15 s", End.FLOWN, phase=Phase.FOLLOW, events=(up(2.0, 2.15),)),
     Case("the uplink cut for 1 s, and PX4 lands", End.ENDED, phase=Phase.FOLLOW, events=(up(2.0, 3.0),),
          parameters={"COM_OBL_RC_ACT": 4}),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.phases import Phase
 from companion.world.events import Event, LinkCut, Order, Sticks, When
-from trials.faults.case import Begin, Case, End, at
+from trials.faults.case import Begin, Case, End, at, levels_of
 from trials.faults.deck.links import STATUS, down, up
 
 Place = tuple[Phase, float, Begin, Finish]
@@ -23,7 +23,7 @@ def told(order: Order, place: Place, *events: Event, cut: str = "", **others: ob
     """The operator's order in a phase, ``events`` beside it."""
     phase, t, begin, finish = place
     name = f"the operator's {order.value} in {phase.value}{cut}"
-    return Case(name, End.OPERATORS, phase=phase, begin=begin, finish=finish, duration=1.0,
+    return Case(name, End.OPERATORS, phase=phase, levels=levels_of(phase), begin=begin, finish=finish, duration=1.0,
                 events=(*events, at(t, order)), **others)  # type: ignore[arg-type]  # fmt: skip
 
 
@@ -59,7 +59,7 @@ HALF_A_LINK = (
       for order, (phase, t, begin, finish) in (
           (Order.LAND, TAKE_OFF), (Order.LAND, TAKE_OVER), (Order.LAND, JOIN), (Order.LAND, FOLLOW),
           (Order.RETURN, FOLLOW), (Order.LAND, HAND_BACK))),
-    told(Order.HOLD, (Phase.LAND, 1.5, *LAND[2:]), down(1.0), cut=", the downlink cut", time_out=200.0),
+    told(Order.HOLD, (Phase.LAND, 1.5, *LAND[2:]), down(1.0), cut=", the downlink cut"),
     Case("the operator lands in abort, the downlink cut", End.HELD, or_end=(End.OPERATORS,), phase=Phase.FOLLOW,
          watched_for=4.0, events=(down(1.0), at(1.35, Order.LAND))),
     Case("the operator disarms 60 ms after the arming, the downlink cut", End.OPERATORS, phase=Phase.ARM,
@@ -87,12 +87,17 @@ BEFORE = (
          events=(at(5.0, Order.TAKE_OFF), at(5.1, Order.ARM)), phase=None, or_end=(End.ENDED,)),
 )  # fmt: skip
 
-STOPPED = tuple(
-    Case(f"Ctrl-C in {phase.value}", End.ENDED, phase=phase, begin=begin, stop_at=t, duration=3.0, finish=finish,
-         or_end=(End.REFUSED,))
-    for phase, t, begin, finish in (
-        (Phase.PREFLIGHT, 0.5, Begin.ON_THE_GROUND, Finish.HOLD), (Phase.ARM, 0.1, Begin.ON_THE_GROUND, Finish.HOLD),
-        (Phase.TAKE_OFF, 2.0, Begin.ON_THE_GROUND, Finish.HOLD), TAKE_OVER, SETTLE, JOIN, FOLLOW)
+STOPPED = (
+    *(Case(f"Ctrl-C in {phase.value}", End.ENDED, "stopped by the user", phase=phase, begin=begin, stop_at=t,
+           duration=3.0, finish=finish, levels=levels_of(phase))
+      for phase, t, begin, finish in (TAKE_OVER, SETTLE, JOIN, FOLLOW)),
+    *(Case(f"Ctrl-C in {phase.value}", End.DISARMED, "stopped by the user", phase=phase, begin=Begin.ON_THE_GROUND,
+           stop_at=t, duration=3.0, watched_for=5.0)
+      for phase, t in ((Phase.PREFLIGHT, 0.5), (Phase.ARM, 0.1), (Phase.TAKE_OFF, 0.1))),
+    Case("Ctrl-C in take off, at once", End.DISARMED, "stopped by the user", phase=Phase.TAKE_OFF,
+         begin=Begin.ON_THE_GROUND, stop_at=0.0, watched_for=8.0),
+    Case("Ctrl-C in take off, in the air", End.HELD, "stopped by the user", phase=Phase.TAKE_OFF,
+         begin=Begin.ON_THE_GROUND, stop_at=3.0, watched_for=8.0),
 )  # fmt: skip
 
 PILOTS = (
