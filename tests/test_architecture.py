@@ -41,7 +41,7 @@ MAY_IMPORT: dict[str, str] = {
     "config": "plain_text mavlink_common frames fence geodesy plans calculus vehicle world paths profiles law mission "
     "mavlink",
     "record": "frames geodesy vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
-    "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan pilot mavlink "
+    "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan pilot mavlink xrce "
     "record",
     "services": "frames fence geodesy mavlink_common vehicle flight places plans",
     "library": "frames geodesy calculus vehicle world paths law mission places allocation px4_allocation feasibility flight plan pilot "

@@ -11,6 +11,7 @@ import typer
 from companion import __version__
 from companion.cli import file_commands, look_commands, record_commands, study_commands, vehicle_commands
 from companion.cli.options import (
+    AcceptDirectMotors,
     AcceptInfeasible,
     Bench,
     Ceiling,
@@ -37,6 +38,7 @@ from companion.cli.options import (
     VehicleName,
     Verbose,
     WorldName,
+    Xrce,
     complete_world,
 )
 from companion.cli.output import Output
@@ -46,6 +48,7 @@ from companion.vehicle import CompanionError
 
 if TYPE_CHECKING:
     from companion.feasibility.report import Report as FeasibilityReport
+    from companion.library.orders import Sortie
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -151,17 +154,20 @@ def sim(
     raise typer.Exit((over_udp if udp else in_lockstep)(simulation))
 
 
-def _refuse_infeasible(found: FeasibilityReport, accept: bool, json: bool) -> None:
-    """End with a refusal where the vehicle cannot fly it; warn where it is flown all the same."""
+def _looked_at_to_fly(sortie: Sortie, accept: bool, json: bool) -> tuple[Sortie, FeasibilityReport]:
+    """What ``check`` finds. Refuses where the vehicle cannot fly it; warns where it is flown all the same."""
+    from companion.cli.check import looked_at
     from companion.cli.finish import refuse
     from companion.feasibility.words import headline
 
+    sortie, found = looked_at(sortie)
     if not found.feasible:
         if not accept and not found.may_be_flown:
             # who knows that the ground falls away may say so; it is not held out to who does not
             offer = " (--accept-infeasible flies it all the same)" if found.only_capability_lacks else ""
             raise typer.Exit(refuse(headline(found) + offer, json))
         warn(f"warning: {headline(found)}")
+    return sortie, found
 
 
 @app.command()
@@ -187,15 +193,15 @@ def fly(
     accept_infeasible: AcceptInfeasible = False,
     signing_key: SigningKey = None,
     forward: Forward = None,
+    xrce: Xrce = None,
+    accept_direct_motors: AcceptDirectMotors = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
     """Fly a mission on a vehicle. Ctrl-C hands it back."""
-    from companion.cli.check import looked_at
+    from companion.cli import flying
     from companion.cli.finish import Ending
-    from companion.cli.flying import Flight, authority_of, most_speed_scale
-    from companion.cli.flying import fly as fly_now
     from companion.config.signing_key import read_key
     from companion.daemon.address import parsed
     from companion.daemon.forwarding import parsed_endpoint
@@ -205,6 +211,7 @@ def fly(
 
     faults = Faults()
     open_port = faults.collect(lambda: parsed(connect))
+    open_xrce = None if xrce is None else faults.collect(lambda: flying.xrce_port(xrce), "--xrce")
     told = faults.collect(lambda: home_told(home)) or NOTHING_TOLD
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, told=told))
     faults.collect(lambda: check_record(record))
@@ -212,18 +219,18 @@ def fly(
     shared = faults.collect(lambda: tuple(map(parsed_endpoint, forward or ()))) or ()
     faults.raise_any()
     assert sortie is not None and open_port is not None
-    sortie, found = looked_at(sortie)
-    _refuse_infeasible(found, accept_infeasible, json)
+    sortie, found = _looked_at_to_fly(sortie, accept_infeasible, json)
     conduct = Conduct(
-        authority=authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
+        authority=flying.authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
         finish=Finish.AS_BEGUN if finish is None else Finish(finish.value),
-        limits=Limits(tube=tube, floor=floor, ceiling=ceiling),
-        speed_scale_max=most_speed_scale(found.speed_scale_max),
+        limits=Limits(tube, floor, ceiling),
+        speed_scale_max=flying.most_speed_scale(found.speed_scale_max),
     )
-    directory = record or new_directory(sortie.mission.name)
-    ending = Ending(json, settle, report)
-    flight = Flight(sortie, directory, duration, ending, set_parameters, conduct, draw, accept_infeasible, key, shared)
-    raise typer.Exit(fly_now(flight, open_port()))
+    agent = None if open_xrce is None else open_xrce(sortie, accept_direct_motors)
+    raise typer.Exit(flying.fly(flying.Flight(
+        sortie, record or new_directory(sortie.mission.name), duration, Ending(json, settle, report), set_parameters,
+        conduct, draw, accept_infeasible, key, shared,
+    ), open_port(), agent))  # fmt: skip
 
 
 @app.command()

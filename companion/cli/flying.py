@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from companion.cli.around import begin_record, exit_code_of, listen_to
 from companion.cli.finish import Ended, Ending, finish
 from companion.cli.output import WhoStarts
 from companion.cli.terminal import say
+from companion.daemon.beside import parsed
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.forwarding import Endpoint
 from companion.daemon.last_resort import told
@@ -21,6 +23,7 @@ from companion.daemon.signing_files import signing_with
 from companion.feasibility.report import check
 from companion.feasibility.words import headline
 from companion.flight.conduct import Conduct, ControlAuthority
+from companion.flight.output import direct_refused
 from companion.library.orders import Sortie
 from companion.mavlink.signing import Signing
 from companion.mission import Mission, Origin
@@ -80,10 +83,26 @@ def authority_of(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial:
     return ControlAuthority.PILOT if pilot else ControlAuthority.COMPANION
 
 
-def fly(flight: Flight, port: Port) -> int:
-    """Fly; the exit code."""
+def xrce_port(url: str) -> Callable[[Sortie, bool], Port]:
+    """How to open the address of ``--xrce`` for what is to be flown; whether the user knows what PX4 no longer does.
+    AddressError: it is no address, or cannot be opened. CompanionError: that is not flown over it."""
+    opening = parsed(url)
+
+    def opened(sortie: Sortie, accepted: bool) -> Port:
+        refused = direct_refused(sortie.vehicle, sortie.level, accepted=accepted)
+        if refused is not None:
+            raise CompanionError(refused)
+        return opening()
+
+    return opened
+
+
+def fly(flight: Flight, port: Port, xrce: Port | None = None) -> int:
+    """Fly; the exit code. ``xrce``: where PX4's XRCE client is served."""
     with contextlib.ExitStack() as stack:
         stack.enter_context(contextlib.closing(port))
+        if xrce is not None:
+            stack.enter_context(contextlib.closing(xrce))
         signals = stack.enter_context(ending_signals(say))
         signing = None
         if flight.key is not None:
@@ -94,10 +113,12 @@ def fly(flight: Flight, port: Port) -> int:
                 "there can pose as the vehicle; listen on 127.0.0.1, or sign (companion vehicle sign)"
             )
         recorder = begin_record(flight.directory, flight.sortie, time.time() - clock())
-        return exit_code_of(lambda: _flown(flight, port, recorder, signals, signing), recorder, flight.ending)
+        return exit_code_of(lambda: _flown(flight, port, recorder, signals, signing, xrce), recorder, flight.ending)
 
 
-def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals, signing: Signing | None) -> int:
+def _flown(
+    flight: Flight, port: Port, recorder: Recorder, signals: Signals, signing: Signing | None, xrce: Port | None
+) -> int:
     sortie = flight.sortie
     orders = Orders(
         sortie.mission,
@@ -109,6 +130,8 @@ def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals, sig
         set_parameters=flight.set_parameters,
         conduct=flight.conduct,
         draw=flight.draw,
+        over_xrce=xrce is not None and sortie.level.without_rate_loop,
+        has_xrce=xrce is not None,
         learned=recalled(state_file(sortie.vehicle.name)),
         objection=None
         if flight.accept_infeasible
@@ -120,7 +143,7 @@ def _flown(flight: Flight, port: Port, recorder: Recorder, signals: Signals, sig
         conductor.decoder.signing = signing
     say(f"listening to {port.describe()} for a vehicle; {WORDS[flight.conduct.authority]}")
     listen_to(signals, conductor, recorder)
-    failure = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE, flight.forward)
+    failure = run(conductor, port, recorder, say, WAIT_FOR_VEHICLE, flight.forward, xrce)
     if failure is None:
         _remember(conductor, sortie.vehicle.name)
     return finish(conductor, recorder, flight.ending, Ended(clock(), bool(signals.came), failure))

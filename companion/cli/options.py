@@ -58,7 +58,8 @@ WorldName = Annotated[
 OutputName = Annotated[
     Output,
     typer.Option(
-        "--output", help="What is sent to the vehicle. auto: motor commands only where it takes them, else body rates."
+        "--output",
+        help="What is sent to the vehicle. auto: motor commands only where MAVLink brings them, else body rates.",
     ),
 ]
 Connect = Annotated[str, typer.Option(metavar="URL", help=CONNECT_HELP)]
@@ -169,6 +170,23 @@ Ceiling = Annotated[
 Draw = Annotated[
     bool,
     typer.Option("--draw", help="Upload the path as mission items: the ground station shows it on its map."),
+]
+Xrce = Annotated[
+    str | None,
+    typer.Option(
+        "--xrce",
+        metavar="URL",
+        help="Serve PX4's XRCE client, as MicroXRCEAgent would: udp://127.0.0.1:8888 or serial:///dev/NAME:BAUD. "
+        "With it --output motors and torques fly on a stock PX4.",
+        show_default="MAVLink alone",
+    ),
+]
+AcceptDirectMotors = Annotated[
+    bool,
+    typer.Option(
+        "--accept-direct-motors",
+        help="Fly motors or torques over XRCE, knowing what PX4 no longer does then (docs/xrce.md).",
+    ),
 ]
 AcceptInfeasible = Annotated[
     bool,

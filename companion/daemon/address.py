@@ -48,6 +48,10 @@ class UdpPort:
             raise AddressError(f"UDP {host}:{port} cannot be opened: {error.strerror}{hint}") from None
         self.local: tuple[str, int] = self._socket.getsockname()
 
+    def fileno(self) -> int:
+        """See Port."""
+        return self._socket.fileno()
+
     def receive(self, timeout: float) -> list[Received]:
         """See Port."""
         batch: list[Received] = []

@@ -34,6 +34,7 @@ from companion.pilot import Memory, Observation
 from companion.plan import Plan
 from companion.record.folder import Recorder
 from companion.vehicle import Setpoint, TorqueSetpoint, VehicleState
+from companion.xrce.commands import Commands
 
 __all__ = ["Conductor", "Orders", "Tick"]
 
@@ -46,11 +47,12 @@ class Conductor:
 
     Doors: ``receive`` and ``on_timer`` take the time (s, monotonic); ``datagrams`` gives what is to be sent; ``sent``
     is told when that is done, and may leave more of it; ``next_timer`` says when to call again. ``notes``: lines for
-    people, taken by the caller.
+    people, taken by the caller. ``xrce``: where setpoints go to PX4's XRCE client, the same doors for that link.
     """
 
     def __init__(self, orders: Orders, recorder: Recorder | None, now: float, *, stream: bool = False) -> None:
         self.orders = orders
+        self.xrce = Commands(orders.level) if orders.over_xrce else None
         self.link = wire.Link(streams=streams(orders.vehicle.state_rate))
         self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()
@@ -70,7 +72,7 @@ class Conductor:
         self.link.clock.may_stand = orders.conduct.at_once
         self._stream = stream
         self._stop = False
-        self.preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes)
+        self.preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes, xrce=self.xrce)
         self._wake_at = now
         self._half: Half | None = None
         self._pending: Tick | None = None
@@ -149,7 +151,7 @@ class Conductor:
                 if frame.format.id in GROUND_WANTED and self.link.identity is not None:
                     self.ground.receive(frame, self.link.identity.system, now, of_vehicle=of_vehicle)
                 elif of_vehicle:
-                    self.preparation.met(frame.system, now)
+                    self.preparation.met(self.orders.vehicle, frame.system, now)
                     self.parameters.receive(frame)
                     arrived = self.telemetry.receive(frame, now)
                     if arrived is not None:
@@ -209,7 +211,9 @@ class Conductor:
 
     def queue(self, setpoint: Setpoint, t_boot: float) -> None:
         """Have a setpoint sent, with the time (s, the vehicle's) of its state."""
-        if self.link.identity is not None and not isinstance(setpoint, TorqueSetpoint):
+        if self.xrce is not None:
+            self.xrce.send(setpoint, t_boot, self._now, pilot.follows_commands(self.telemetry.status, self._now))
+        elif self.link.identity is not None and not isinstance(setpoint, TorqueSetpoint):
             target = (self.link.identity.system, MAV_COMP_ID_AUTOPILOT1)
             self.link.send(*setpoints.encoded(setpoint, t_boot, *target))
 

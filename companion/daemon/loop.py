@@ -14,6 +14,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 
+from companion.daemon.beside import Beside, XrceLink
 from companion.daemon.conductor import Conductor
 from companion.daemon.forwarding import Endpoint, Forwarder
 from companion.daemon.last_resort import LastResort
@@ -53,12 +54,16 @@ def run(
     say: Callable[[str], None],
     wait_for_vehicle: float,
     forward: Sequence[Endpoint] = (),
+    xrce: Port | None = None,
 ) -> LastResort | None:
     """Fly until the conductor is done. What ended the flight in its place, where the companion itself failed.
 
-    ``say`` takes lines for a person. ``forward``: who shares the link. NoVehicleError: none within
-    ``wait_for_vehicle`` s.
+    ``say`` takes lines for a person. ``forward``: who shares the link. ``xrce``: where PX4's XRCE
+    client is served, if the conductor commands over it. NoVehicleError: none within ``wait_for_vehicle`` s.
     """
+    beside = None if xrce is None or conductor.xrce is None else XrceLink(xrce, conductor.xrce)
+    if beside is not None:
+        port = Beside(port, beside, clock)
     with _undisturbed(), contextlib.closing(Service(os.environ)) as service:
         notice = StatusFile(about(conductor.orders, port.describe(), recorder))
         teller = Teller(conductor, notice, service, say, clock)
@@ -76,7 +81,7 @@ def run(
             with punctual() as priority:
                 say(priority)
                 service.ready(f"listening to {port.describe()}")
-                return _Flight(conductor, port, service, recorder, teller, forwarder).fly(wait_for_vehicle)
+                return _Flight(conductor, port, service, recorder, teller, forwarder, beside).fly(wait_for_vehicle)
         finally:
             service.stopping()
             if scribe is not None and recorder is not None and not scribe.finish(DISK_PATIENCE):
@@ -116,6 +121,7 @@ class _Flight:
         recorder: Recorder | None,
         teller: Teller,
         forwarder: Forwarder | None,
+        xrce: XrceLink | None = None,
     ) -> None:
         self._conductor = conductor
         self._flown: Conductor | LastResort = conductor
@@ -124,6 +130,7 @@ class _Flight:
         self._recorder = recorder
         self._teller = teller
         self._forwarder = forwarder
+        self._xrce = xrce
         self._rhythm, self._rehearsal = Rhythm(), Rehearsal()
         self._states = 0
         self._frozen = False
@@ -206,6 +213,8 @@ class _Flight:
 
     def _send(self, arrived: float = math.nan) -> None:
         to = self._conductor.link.peers.to
+        if self._xrce is not None:
+            self._xrce.flush(clock())
         for datagram in self._flown.datagrams():
             if to is not None:
                 self._port.send(datagram, to)
@@ -213,6 +222,8 @@ class _Flight:
         for datagram in self._flown.datagrams():
             if to is not None:
                 self._port.send(datagram, to)
+        if self._xrce is not None:  # a setpoint that came with the rest of the tick
+            self._xrce.flush(clock())
 
     def _send_on(self, frames: list[bytes], now: float) -> None:
         """What endpoints have for the vehicle, unchanged."""

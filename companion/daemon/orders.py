@@ -15,9 +15,10 @@ from companion.vehicle import OutputLevel, Vehicle
 class Orders:
     """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
     be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
-    ``conduct``: how; what the vehicle says of itself is added to its limits. ``draw``: the curve is uploaded as mission
-    items, for the ground station's map. ``learned``: what the vehicle's last flight left. ``objection``: looks at the
-    mission in its real place over the ground (m, down in the local frame) and says why it may not be flown there."""
+    ``over_xrce``: setpoints go to PX4's XRCE client; ``has_xrce``: they might, if that were asked for. ``conduct``:
+    how; what the vehicle says of itself is added to its limits. ``draw``: the curve is uploaded as mission items, for
+    the ground station's map. ``learned``: what the vehicle's last flight left. ``objection``: looks at the mission in
+    its real place over the ground (m, down in the local frame) and says why it may not be flown there."""
 
     mission: Mission
     vehicle: Vehicle
@@ -26,6 +27,8 @@ class Orders:
     origin: Origin
     auto: bool = False
     set_parameters: bool = False
+    over_xrce: bool = False
+    has_xrce: bool = False
     conduct: Conduct = field(default_factory=Conduct)
     draw: bool = False
     learned: Learned | None = None

@@ -20,6 +20,9 @@ class Port(Protocol):
     called: Source | None
     exposed: bool
 
+    def fileno(self) -> int:
+        """The descriptor to wait for with others; -1: there is none at the moment."""
+
     def receive(self, timeout: float) -> list[Received]:
         """What has arrived, and from whom: waits at most ``timeout`` s for the first, then takes all there is."""
 

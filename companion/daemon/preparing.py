@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from companion.daemon.orders import Orders
-from companion.flight import output
+from companion.flight import geometry, output
 from companion.flight.conduct import TILT_MARGIN, Conduct, ControlAuthority
 from companion.frames import Vec3
 from companion.geodesy import LocalFrame
@@ -20,6 +20,7 @@ from companion.places.origins import NotKnownError, VehicleLocation, placed
 from companion.places.words import place_words
 from companion.plan import Plan, prepared
 from companion.vehicle import CompanionError, Landed, OutputLevel, Tuning, Vehicle, VehicleState
+from companion.xrce.commands import Commands
 
 PLACE_WITHIN = 30.0
 """s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
@@ -41,7 +42,8 @@ SAMPLES = 200
 class Preparation:
     """What is found out before a flight. ``notes``: lines for people. ``refusal``: why there will be none, in a
     sentence. ``changed``: parameters set for the flight and not yet back, and what they were. ``restoring``: whether
-    they are being set back. ``heard_at``: s, the first heartbeat."""
+    they are being set back. ``heard_at``: s, the first heartbeat. ``xrce``:
+    what setpoints go through, if not through the link."""
 
     link: Link
     telemetry: Telemetry
@@ -53,16 +55,19 @@ class Preparation:
     heard_at: float | None = None
     choice: output.Choice | None = None
     state_heard: bool = False
+    xrce: Commands | None = None
     _lacking: str | None = None
     _lacking_since: float = 0.0
     _lacking_said: bool = False
 
-    def met(self, system: int, now: float) -> None:
+    def met(self, vehicle: Vehicle, system: int, now: float) -> None:
         """The vehicle was heard: the first time, ask for the parameters that matter."""
         if self.heard_at is None:
             self.heard_at = now
             if self.link.is_px4:
                 self.parameters.ask(TUNING.values(), system, now)
+                if self.xrce is not None:
+                    self.parameters.ask(geometry.names(vehicle), system, now)
 
     def plan(self, orders: Orders, state: VehicleState | None, now: float) -> Plan | None:
         """The plan once everything for it is known; until then None, and for good once there is a refusal."""
@@ -96,7 +101,9 @@ class Preparation:
         status = self.telemetry.status.known(now)
         if not (self.parameters.settled and self.link.is_set_up):
             return "the answers to what was asked of it (PARAM_VALUE, COMMAND_ACK)"
-        if orders.level is OutputLevel.MOTORS and identity.direct_motors is None:
+        if self.xrce is not None and (lacking := self.xrce.missing) is not None:
+            return f"that its XRCE client has {lacking} (UXRCE_DDS_CFG set, and this address its agent's?)"
+        if orders.level is OutputLevel.MOTORS and self.xrce is None and identity.direct_motors is None:
             return "what it can do (AUTOPILOT_VERSION)"
         if not self.state_heard:
             refused = ", ".join(self.telemetry.refused)
@@ -134,12 +141,14 @@ class Preparation:
 
     def _made(self, orders: Orders, state: VehicleState, now: float) -> Plan | None:
         tuning, vehicle = self.parameters.tuning(), orders.vehicle
-        another = output.another_vehicle(vehicle, tuning) if orders.level is not OutputLevel.MOTORS else None
+        mixes = orders.level is not OutputLevel.MOTORS or self.xrce is not None
+        another = output.another_vehicle(vehicle, tuning) if mixes else None
         if another is not None:
             raise CompanionError(another)
         if self.choice is None:
-            consent = orders.set_parameters
-            self.choice = output.chosen(orders.level, tuning, auto=orders.auto, consent=consent)
+            consent, over = orders.set_parameters, self.xrce is not None
+            self._compare(vehicle)
+            self.choice = output.chosen(orders.level, tuning, auto=orders.auto, consent=consent, over_xrce=over)
             self._set(orders, self.choice, now)
             if not self.parameters.settled:
                 return None
@@ -156,6 +165,17 @@ class Preparation:
         origin_n = mission.placement.origin_n
         return prepared(mission, vehicle, self.choice.level, origin_n, orders.duration, tuning, conduct, orders.learned)
 
+    def _compare(self, vehicle: Vehicle) -> None:
+        """The vehicle file's rotors with PX4's own, where we command them past its rate loop. CompanionError: they
+        differ."""
+        if self.xrce is None or not self.xrce.level.without_rate_loop:
+            return
+        told = {name: self.parameters.value(name) for name in geometry.names(vehicle)}
+        found = geometry.differences(vehicle, told)
+        if found:
+            raise CompanionError(f"{'; '.join(found)}; give the vehicle's own file with --vehicle, or set CA_ROTOR*")
+        self.notes += [output.NO_LONGER[self.xrce.level], geometry.curve_words(told)]
+
     def _location(self, state: VehicleState) -> VehicleLocation:
         home, origin = self.telemetry.home, self.telemetry.origin
         return VehicleLocation(
@@ -169,6 +189,8 @@ class Preparation:
     def _set(self, orders: Orders, choice: output.Choice, now: float) -> None:
         """Set the parameters that a level needs."""
         self.notes.append(choice.why)
+        if orders.has_xrce and not orders.over_xrce:
+            self.notes.append(output.NOT_ASKED)
         if orders.conduct.authority in (ControlAuthority.REHEARSAL, ControlAuthority.BENCH):
             return  # nothing is commanded, nor set
         for name, value in choice.settings:
@@ -188,6 +210,10 @@ class Preparation:
                 f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
             )
         doubt = self.doubt()
+        if self.xrce is not None:
+            return doubt or self.xrce.refusal
+        if orders.level is OutputLevel.TORQUES:
+            return "torques go over XRCE alone; give --xrce, or fly it with --output rates or attitude"
         if doubt is not None or orders.level is not OutputLevel.MOTORS:
             return doubt
         refused = output.motors_refused(orders.vehicle, identity.direct_motors)

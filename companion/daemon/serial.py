@@ -34,6 +34,10 @@ class SerialPort:
         self._unsent = b""
         self._tried_at = 0.0
 
+    def fileno(self) -> int:
+        """See Port."""
+        return -1 if self._file is None else self._file
+
     def receive(self, timeout: float) -> list[Received]:
         """See Port."""
         if self._file is None:

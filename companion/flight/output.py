@@ -18,6 +18,7 @@ LOSS_TIME_MAX, LOSS_TIME_MAX_MOTORS = 0.3, 0.1
 FLOWN_ON = {
     OutputLevel.RATES: ("the last body rate", LOSS_TIME_MAX),
     OutputLevel.MOTORS: ("the last motor commands", LOSS_TIME_MAX_MOTORS),
+    OutputLevel.TORQUES: ("the last torques", LOSS_TIME_MAX_MOTORS),
 }
 """What PX4 flies on when commands stop, and how long (s) it may."""
 HOVER_APART = 1.6
@@ -26,8 +27,29 @@ HOLD_ON_LOSS = 5
 """PX4's COM_OBL_RC_ACT: Hold when offboard setpoints are lost."""
 SANE_ON_LOSS = {0: "Position", 1: "Altitude", 3: "Return", 4: "Land", 5: "Hold"}
 """COM_OBL_RC_ACT that hands the vehicle to somebody or something that flies it on."""
+NOT_ASKED = (
+    "rates go over MAVLink, not over XRCE: PX4 then stabilises the vehicle itself and catches it sooner; ask for "
+    "motors or torques with --output"
+)
+"""Why ``auto`` does not take motors or torques."""
 FATAL_ON_LOSS = {6: "Terminate", 7: "Disarm"}
 """COM_OBL_RC_ACT by what it does. 2, Stabilized, waits for sticks that may not be there."""
+
+
+NO_LONGER = {
+    OutputLevel.MOTORS: (
+        "PX4 does not stabilise the vehicle, does not mix and does not limit: no rate loop, no allocator (no "
+        "CA_FAILURE_MODE, no slew rate); its failure detector does not look at the attitude; its land detector "
+        "believes the thrust that the companion tells it. Kill switch, disarming, termination and output limits still "
+        "act"
+    ),
+    OutputLevel.TORQUES: (
+        "PX4 does not stabilise the vehicle: no rate loop; its failure detector does not look at the attitude; its "
+        "land detector believes the thrust that the companion tells it. Its allocator, kill switch, disarming, "
+        "termination and output limits still act"
+    ),
+}
+"""What PX4 does not do while it flies on these (measured: xrce.md, section 6)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +66,7 @@ def motors_refused(vehicle: Vehicle, direct: bool | None) -> str | None:
     if vehicle.motors is not MotorInterface.DIRECT:
         return (
             f"vehicle {vehicle.name} does not take motor commands (its file says motors: px4); "
-            "fly it with --output rates or attitude"
+            "fly it with --output rates or attitude, or through PX4's XRCE client (--xrce)"
         )
     if direct is False:
         return (
@@ -52,6 +74,21 @@ def motors_refused(vehicle: Vehicle, direct: bool | None) -> str | None:
             "fly it with --output rates or attitude"
         )
     return None
+
+
+def direct_refused(vehicle: Vehicle, level: OutputLevel, *, accepted: bool) -> str | None:
+    """Why a vehicle is not flown at a level without PX4's rate loop over XRCE. ``accepted``: the user knows why."""
+    if any(rotor.command[0] < 0.0 for rotor in vehicle.rotors):
+        return (
+            f"the commands of {vehicle.name} go below 0, which stops a motor of PX4; fly it over MAVLink, or with "
+            "--output rates or attitude"
+        )
+    if accepted or level not in NO_LONGER:
+        return None
+    return (
+        f"output {level.value}: {NO_LONGER[level]}. Fly it on --output rates first; then say --accept-direct-motors if "
+        "that is what you want"
+    )
 
 
 def another_vehicle(vehicle: Vehicle, tuning: Tuning) -> str | None:
@@ -66,11 +103,14 @@ def another_vehicle(vehicle: Vehicle, tuning: Tuning) -> str | None:
     )
 
 
-def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool) -> Choice:
+def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool, over_xrce: bool = False) -> Choice:
     """The level to fly. ``level``: what was asked for; with ``auto`` attitude may be flown in the place of rates.
-    ``consent``: parameters may be set for the flight. CompanionError: what was asked for is not safe."""
+    ``consent``: parameters may be set for the flight. ``over_xrce``: setpoints go to PX4's XRCE client, and motors
+    and torques then want Hold alone. CompanionError: what was asked for is not safe."""
     settings = []
     faults = []
+    hold_alone = over_xrce and level.without_rate_loop
+    sane = {HOLD_ON_LOSS} if hold_alone else set(SANE_ON_LOSS)
     fatal = FATAL_ON_LOSS.get(tuning.offboard_loss_action if tuning.offboard_loss_action is not None else -1)
     if level in FLOWN_ON:
         last, longest = FLOWN_ON[level]
@@ -82,18 +122,18 @@ def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool) -> 
                 if time is None
                 else f"COM_OF_LOSS_T is {time:g} s, and for so long PX4 would fly {last} if the link broke"
             )
-    if fatal is not None or (level in FLOWN_ON and tuning.offboard_loss_action not in SANE_ON_LOSS):
+    if fatal is not None or (level in FLOWN_ON and tuning.offboard_loss_action not in sane):
         settings.append(("COM_OBL_RC_ACT", HOLD_ON_LOSS))
         faults.append(
             f"COM_OBL_RC_ACT is {tuning.offboard_loss_action}"
             + (
                 f" ({fatal}): a broken link would end the flight"
                 if fatal
-                else ", expected Hold (5), Return (3) or Land (4)"
+                else f", expected Hold (5){'' if hold_alone else ', Return (3) or Land (4)'}"
             )
         )
     if not faults:
-        return Choice(level, _why(level, tuning))
+        return Choice(level, _why(level, tuning, over_xrce=over_xrce))
     reason = "; ".join(faults)
     advice = " and ".join(f"{name} to {value:g}" for name, value in settings)
     known = tuning.offboard_loss_time is not None and tuning.offboard_loss_action is not None
@@ -118,9 +158,11 @@ def float32(value: float) -> float:
     return held
 
 
-def _why(level: OutputLevel, tuning: Tuning) -> str:
+def _why(level: OutputLevel, tuning: Tuning, *, over_xrce: bool) -> str:
     if level is OutputLevel.ATTITUDE:
         return "output attitude: as asked; PX4 holds the last attitude if the link breaks"
+    if over_xrce:
+        return f"output {level.value} over XRCE: PX4 acts {tuning.offboard_loss_time:g} s after commands stop"
     if level is OutputLevel.MOTORS:
         return "output motors: the vehicle declares direct motors"
     action = SANE_ON_LOSS[tuning.offboard_loss_action] if tuning.offboard_loss_action is not None else ""

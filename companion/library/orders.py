@@ -50,14 +50,14 @@ class Faults:
     def __init__(self) -> None:
         self._faults: list[Fault] = []
 
-    def collect(self, read_one: Callable[[], T]) -> T | None:
-        """The value of ``read_one``, or None where it has faults."""
+    def collect(self, read_one: Callable[[], T], option: str = "--connect") -> T | None:
+        """The value of ``read_one``, or None where it has faults. ``option``: whose address it opens."""
         try:
             return read_one()
         except ConfigError as error:
             self._faults += error.faults
         except AddressError as error:
-            self._faults.append(Fault("--connect", 0, "", str(error)))
+            self._faults.append(Fault(option, 0, "", str(error)))
         return None
 
     def add(self, fault: Fault) -> None:

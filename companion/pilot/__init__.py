@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from companion.flight.epilogue import sentence
 from companion.frames import tilt, wrap
+from companion.pilot.inputs import follows_commands
 from companion.pilot.memory import (
     WAKE_AFTER,
     First,
@@ -31,7 +32,7 @@ from companion.vehicle import Mode, VehicleState
 
 __all__ = [
     "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "First", "Memory", "Observation", "Outcome", "Progress", "begin", "completed",
-    "compute_setpoint", "epilogue", "step", "supervise", "tilt_of", "wake_at", "yaw_error",
+    "compute_setpoint", "epilogue", "follows_commands", "step", "supervise", "tilt_of", "wake_at", "yaw_error",
 ]  # fmt: skip
 
 

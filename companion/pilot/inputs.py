@@ -13,7 +13,7 @@ from companion.frames import tilt
 from companion.pilot.memory import Memory, Observation
 from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining, rests
 from companion.plan import Plan
-from companion.vehicle import KnownStatus, Mode, RateSetpoint
+from companion.vehicle import KnownStatus, Mode, RateSetpoint, VehicleStatus
 
 REHEARSED_FOR = 5.0
 """s of rehearsal where no duration is given."""
@@ -40,7 +40,7 @@ def safety_inputs(
     x, y, z = state.p_n
     fence, home = plan.mission.fence_n, limits.home
     steered = memory.steered if memory.phase in FLOWN else None
-    follows = _follows(seen, status, now)
+    follows = follows_commands(seen.status, now)
     asked = None if steered is None else steered.setpoint
     return conditions.SafetyInputs(
         status=status,
@@ -77,10 +77,12 @@ def safety_inputs(
     )
 
 
-def _follows(seen: Observation, status: KnownStatus, now: float) -> bool:
+def follows_commands(status: VehicleStatus, now: float) -> bool:
     """Whether the vehicle follows what is commanded, as far as it has just said."""
-    intended = seen.status.intended  # only CURRENT_MODE says it
-    return status.mode is Mode.OFFBOARD and intended is not None and now - intended.at < FOLLOWS_FOR
+    mode, intended = status.mode, status.intended  # only CURRENT_MODE says what is intended
+    if mode is None or intended is None:
+        return False
+    return mode.known(now) is Mode.OFFBOARD and now - intended.at < FOLLOWS_FOR
 
 
 def _lift_known(plan: Plan, memory: Memory) -> bool:

@@ -6,4 +6,6 @@ wire        bytes <-> messages of such values
 reliable    streams on which each message comes once and in order
 agent       the conversation with one client
 topics      samples of PX4's topics: layout and MESSAGE_VERSION
+commands    setpoints -> samples, and the gate before them
+framing     messages <-> a serial line
 """

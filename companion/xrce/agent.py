@@ -89,6 +89,8 @@ class Agent:
 
     ``reading``: by name, the topics that PX4 reads now. ``versioned``: whether its topics have versions (see
     ``topics.layout``). ``sessions``: how many there were. ``heard_at``: s. ``keeps_time``: TIMESTAMP is answered.
+    Where it is not, once a session stands, the client asks in every turn and waits for the answer on the socket, where
+    it takes commands at once rather than up to 10 ms later; its clock offset stays as it was (xrce.md, section 5).
     """
 
     reading: dict[str, Reader] = field(default_factory=dict)
@@ -129,10 +131,10 @@ class Agent:
         return samples
 
     def write(self, samples: Sequence[tuple[str, bytes]]) -> bool:
-        """Queue samples, topic and CDR, as one message. False: PX4 does not read all of them, and none is sent."""
+        """Queue samples, topic and CDR, as one message. False: PX4 does not read all of them; then none is sent."""
         session = self._session
         readers = [self.reading.get(topic) for topic, _ in samples]
-        if session is None or None in readers:
+        if session is None or None in readers or not samples:
             return False
         data = tuple(
             Data(reader.request, reader.object, cdr)
