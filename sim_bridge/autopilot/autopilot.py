@@ -20,9 +20,8 @@ from sim_bridge.autopilot.commander.landing import LandDetector
 from sim_bridge.autopilot.flight_modes.guidance import Guidance, TakeOff, Throttle
 from sim_bridge.autopilot.flight_modes.manual import BY_PLACE_OR_HEIGHT, ManualFlight
 from sim_bridge.autopilot.flight_modes.manual_control import CENTRED, ManualControl, ManualControlSetpoint
-from sim_bridge.autopilot.flight_modes.offboard import PositionFlight
-from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
-from sim_bridge.autopilot.flight_modes.setpoints import AttitudeSetpoint, MotorSetpoint, RatesSetpoint, Setpoint
+from sim_bridge.autopilot.flight_modes.offboard import Ground, OffboardFlight, fly
+from sim_bridge.autopilot.flight_modes.setpoints import BELOW_ATTITUDE, MotorSetpoint, Setpoint
 from sim_bridge.autopilot.missions.flight import MissionFlight
 from sim_bridge.autopilot.missions.mission_watch import MissionWatch
 from sim_bridge.autopilot.missions.store import Store
@@ -42,9 +41,8 @@ UNIX_US_AT_BOOT = 1_767_225_600_000_000
 class Autopilot:
     """The autopilot of one vehicle, stepped every ``step`` s. ``direct``: it takes motor commands.
 
-    ``pack``: its battery, where the world has one. ``estimate``: the last one; ``setpoint``: what
-    offboard flies; ``offboard_flown``: whether it has flown any; ``truth``: what only the simulation knows, for the
-    message that tells it.
+    ``pack``: its battery, where the world has one. ``estimate``: the last one; ``offboard_flown``: whether offboard has
+    flown a setpoint; ``truth``: what only the simulation knows, for the message that tells it.
     """
 
     def __init__(
@@ -72,11 +70,10 @@ class Autopilot:
         self.sticks = ManualControl(self.parameters)
         self.checks = HealthAndArmingChecks(self.parameters, self.commander, self.battery, self.fence, self.sticks)
         self.manual_flight = ManualFlight(self.parameters, self.cascade.hover, vehicle.gravity)
-        self.position_flight = PositionFlight(self.parameters)
+        self.offboard_flight = OffboardFlight(self.parameters, self.cascade, direct=direct)
         self._step = step
         self.estimate = estimate
         self.truth = truth
-        self.setpoint: Setpoint | None = None
         self.offboard_flown = False
         self.unix_us_at_boot = UNIX_US_AT_BOOT
         self.attitude_told: tuple[int, Quaternion, float] = (0, (1.0, 0.0, 0.0, 0.0), 0.0)  # by ATTITUDE_TARGET
@@ -98,6 +95,11 @@ class Autopilot:
         self.cascade.begin(estimate, disturbance)
         self.cascade.commands = commands
         self.cascade.thrust = self.cascade.hover
+
+    @property
+    def setpoint(self) -> Setpoint | None:
+        """What offboard flies."""
+        return self.offboard_flight.setpoint
 
     @property
     def commands(self) -> Four:
@@ -126,27 +128,23 @@ class Autopilot:
         now, commander, cascade = self.estimate, self.commander, self.cascade
         mode = commander.mode
         if not commander.armed or mode is Mode.TERMINATION:
-            self._flown = self.setpoint = None
+            self._flown = self.offboard_flight.setpoint = None
             cascade.stop(now)
             return None
         if mode is not self._flown:
             self._enter(mode)
         if mode is Mode.OFFBOARD:
-            return self._fly_offboard(now)
+            on = Ground(commander.landed, self._stands, self._landing.touching)
+            return self.offboard_flight.fly(now, on, self.t - commander.armed_at)
         if mode in MANUAL:
             return self._fly_by_stick(now)
         if cascade.wants_target:
             on_ground = commander.landed or (self.guidance.is_taking_off and self._stands)
             wanted = self.guidance.step(now, self.t, on_ground, self._landing.touching, cascade.position_step)
             if isinstance(wanted, Throttle):
-                return self._open_throttle(now, wanted)
+                return cascade.open_throttle(now, wanted.of_hover)
             cascade.aim(now, wanted)
         return cascade.fly_aim(now)
-
-    def _open_throttle(self, now: Estimate, wanted: Throttle) -> Four:
-        """On the ground or close to it: no turning, and the throttle so far open."""
-        self.cascade.begin_position()
-        return self.cascade.fly_rates(now, (0.0, 0.0, 0.0), wanted.of_hover * self.cascade.hover, on_ground=True)
 
     def _fly_by_stick(self, now: Estimate) -> Four:
         """What the pilot's sticks say; let go where nobody holds them."""
@@ -154,14 +152,15 @@ class Autopilot:
         if commander.failsafe_flags.manual_control_signal_lost:
             sticks = CENTRED
         if commander.mode not in BY_PLACE_OR_HEIGHT:
-            return self._fly(now, self.manual_flight.setpoint(now, sticks, commander.landed, self._step))
+            setpoint = self.manual_flight.setpoint(now, sticks, commander.landed, self._step)
+            return fly(cascade, now, setpoint, commander.landed)
         if cascade.wants_target:
             wanted = self.manual_flight.aim(
                 now, sticks, self.guidance.home_n[2] - now.p_n[2], self.t - commander.armed_at, commander.landed,
                 self._stands, self._landing.touching, cascade.position_step,
             )  # fmt: skip
             if isinstance(wanted, Throttle):
-                return self._open_throttle(now, wanted)
+                return cascade.open_throttle(now, wanted.of_hover)
             cascade.aim(now, wanted)
         return cascade.fly_aim(now)
 
@@ -184,7 +183,7 @@ class Autopilot:
         commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
-        rates_alone = isinstance(self.setpoint, RatesSetpoint | MotorSetpoint)
+        rates_alone = isinstance(self.setpoint, BELOW_ATTITUDE)
         self.checks.update(SUPERVISION_US * 1e-6, self.t, estimate, self.home_position.p_n, rates_alone)
         self.mission_watch.update(estimate, self.t)
         commander.update(self.t)
@@ -198,9 +197,7 @@ class Autopilot:
             return
         self.commander.setpoint_arrived(self.t)
         if self.commander.armed and self.commander.mode is Mode.OFFBOARD:
-            if isinstance(setpoint, TrajectorySetpoint) and not isinstance(self.setpoint, TrajectorySetpoint):
-                self.cascade.begin_position()
-            self.setpoint = setpoint
+            self.offboard_flight.take(setpoint)
             self.offboard_flown = True
 
     def take_sticks(self, position: ManualControlSetpoint, source: object) -> None:
@@ -259,39 +256,6 @@ class Autopilot:
         else:
             self.guidance.enter(mode, self.estimate)
         if mode is not Mode.OFFBOARD:
-            self.setpoint = None
+            self.offboard_flight.setpoint = None
             if came_from_offboard:
                 self.cascade.begin(self.estimate)
-
-    def _fly_offboard(self, now: Estimate) -> Four:
-        """The last setpoint, for as long as the commander leaves us in offboard; before the first, what was flown."""
-        setpoint, cascade = self.setpoint, self.cascade
-        if isinstance(setpoint, MotorSetpoint):
-            return cascade.fly_motors(now, setpoint.commands)
-        if isinstance(setpoint, TrajectorySetpoint):
-            return self._fly_to_a_place(now, setpoint)
-        if setpoint is not None:
-            return self._fly(now, setpoint)
-        if self.direct:
-            return cascade.fly_motors(now, cascade.commands)
-        return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, self.commander.landed)
-
-    def _fly_to_a_place(self, now: Estimate, setpoint: TrajectorySetpoint) -> Four:
-        """A place, a velocity, an acceleration."""
-        commander, cascade = self.commander, self.cascade
-        if cascade.wants_target:
-            wanted = self.position_flight.aim(
-                now, setpoint, self.t - commander.armed_at, commander.landed, self._stands, self._landing.touching
-            )  # fmt: skip
-            if isinstance(wanted, Throttle):
-                return self._open_throttle(now, wanted)
-            cascade.aim(now, wanted)
-        return cascade.fly_aim(now)
-
-    def _fly(self, now: Estimate, setpoint: AttitudeSetpoint | RatesSetpoint) -> Four:
-        """An attitude or rates."""
-        if isinstance(setpoint, RatesSetpoint):
-            return self.cascade.fly_rates(now, setpoint.rates, setpoint.thrust, self.commander.landed)
-        return self.cascade.fly_attitude(
-            now, setpoint.q_nb, setpoint.thrust, setpoint.heading_rate, self.commander.landed
-        )  # fmt: skip

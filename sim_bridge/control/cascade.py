@@ -85,6 +85,11 @@ class Cascade:
         self.thrust = thrust
         return self.commands
 
+    def open_throttle(self, now: Estimate, of_hover: float) -> Four:
+        """On the ground or close to it: no turning, and the throttle so far open."""
+        self.begin_position()
+        return self.fly_rates(now, (0.0, 0.0, 0.0), of_hover * self.hover, on_ground=True)
+
     def fly_attitude(
         self, now: Estimate, attitude: Quaternion, thrust: float, heading_rate: float = 0.0, on_ground: bool = False
     ) -> Four:

@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from companion.frames import euler_from_rotation, rotation_matrix
 from sim_bridge.autopilot.flight_modes.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
 from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
+from sim_bridge.autopilot.flight_modes.setpoints import AttitudeSetpoint, MotorSetpoint, RatesSetpoint, Setpoint
 from sim_bridge.autopilot.parameters import Parameters
+from sim_bridge.control.cascade import Cascade
 from sim_bridge.control.position import Target
+from sim_bridge.rotors import Four
 from sim_bridge.sensors import Estimate
 
 STOP = (0.0, 0.0, 0.0)
 """m/s."""
+
+
+class Ground(NamedTuple):
+    """Whether the vehicle counts as landed, stands on its legs, and has felt the ground for long enough."""
+
+    landed: bool
+    stands: bool
+    touching: bool
 
 
 class PositionFlight:
@@ -21,21 +34,19 @@ class PositionFlight:
         self._rises_from: float | None = None  # s, when the throttle began to open
         self.target: Target | None = None
 
-    def aim(
-        self, now: Estimate, setpoint: TrajectorySetpoint, armed_for: float, landed: bool, stands: bool, touching: bool
-    ) -> Target | Throttle:  # fmt: skip
-        """What the position loop is to fly. ``armed_for``: s; ``stands``: the legs are on the ground."""
+    def aim(self, now: Estimate, setpoint: TrajectorySetpoint, on: Ground, armed_for: float) -> Target | Throttle:
+        """What the position loop is to fly. ``armed_for``: s."""
         self.target = None
         t = now.time_us * 1e-6
         climbs = setpoint.can_be_flown and setpoint.climbs_from(now.p_n[2])
-        if landed or (self._rises_from is not None and stands):
+        if on.landed or (self._rises_from is not None and on.stands):
             if not climbs or armed_for < self._parameters["COM_SPOOLUP_TIME"]:
                 self._rises_from = None
                 return Throttle(0.0)
             self._rises_from = t if self._rises_from is None else self._rises_from
             return takeoff_throttle(t - self._rises_from, self._parameters["MPC_Z_VEL_MAX_UP"], self._parameters)
         self._rises_from = None
-        if touching and setpoint.sinks(now.p_n[2]):
+        if on.touching and setpoint.sinks(now.p_n[2]):
             return Throttle(CLOSED_OF_HOVER)
         heading = setpoint.heading
         if heading is None:
@@ -47,3 +58,52 @@ class PositionFlight:
         else:  # PX4's answer to what makes no sense: stop and wait
             self.target = Target((None, None, None), STOP, heading)
         return self.target
+
+
+class OffboardFlight:
+    """Flies the last ``setpoint``, for as long as the commander leaves the vehicle in offboard; None: none has come.
+
+    ``position``: the flight to places. ``direct``: the vehicle takes motor commands over MAVLink.
+    """
+
+    def __init__(self, parameters: Parameters, cascade: Cascade, *, direct: bool) -> None:
+        self.position = PositionFlight(parameters)
+        self.setpoint: Setpoint | None = None
+        self._cascade = cascade
+        self._direct = direct
+
+    def take(self, setpoint: Setpoint) -> None:
+        """Another setpoint."""
+        if isinstance(setpoint, TrajectorySetpoint) and not isinstance(self.setpoint, TrajectorySetpoint):
+            self._cascade.begin_position()
+        self.setpoint = setpoint
+
+    def fly(self, now: Estimate, on: Ground, armed_for: float) -> Four:
+        """The motor commands; before the first setpoint what was flown goes on. ``armed_for``: s."""
+        setpoint, cascade = self.setpoint, self._cascade
+        if isinstance(setpoint, MotorSetpoint):
+            return cascade.fly_motors(now, setpoint.commands)
+        if isinstance(setpoint, TrajectorySetpoint):
+            return self._fly_to_a_place(now, setpoint, on, armed_for)
+        if setpoint is not None:
+            return fly(cascade, now, setpoint, on.landed)
+        if self._direct:
+            return cascade.fly_motors(now, cascade.commands)
+        return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, on.landed)
+
+    def _fly_to_a_place(self, now: Estimate, setpoint: TrajectorySetpoint, on: Ground, armed_for: float) -> Four:
+        """A place, a velocity, an acceleration."""
+        cascade = self._cascade
+        if cascade.wants_target:
+            wanted = self.position.aim(now, setpoint, on, armed_for)
+            if isinstance(wanted, Throttle):
+                return cascade.open_throttle(now, wanted.of_hover)
+            cascade.aim(now, wanted)
+        return cascade.fly_aim(now)
+
+
+def fly(cascade: Cascade, now: Estimate, setpoint: AttitudeSetpoint | RatesSetpoint, landed: bool) -> Four:
+    """An attitude or rates."""
+    if isinstance(setpoint, RatesSetpoint):
+        return cascade.fly_rates(now, setpoint.rates, setpoint.thrust, landed)
+    return cascade.fly_attitude(now, setpoint.q_nb, setpoint.thrust, setpoint.heading_rate, landed)

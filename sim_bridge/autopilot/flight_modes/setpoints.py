@@ -72,6 +72,8 @@ class AttitudeSetpoint(NamedTuple):
     heading_rate: float
 
 
+BELOW_ATTITUDE = (MotorSetpoint, RatesSetpoint)
+"""Setpoints with which nobody in the vehicle controls the attitude."""
 Setpoint = MotorSetpoint | RatesSetpoint | AttitudeSetpoint | TrajectorySetpoint
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.flight_modes.setpoints import MotorSetpoint, RatesSetpoint
+from sim_bridge.autopilot.flight_modes.setpoints import BELOW_ATTITUDE
 from sim_bridge.autopilot.mavlink.files import GENERAL_METADATA, GENERAL_METADATA_URI
 from sim_bridge.autopilot.messages.parts import Values
 
@@ -35,7 +35,7 @@ def _base_mode(a: Autopilot) -> int:
     mode = a.commander.mode
     bits = CUSTOM | (ARMED if a.commander.armed else 0)
     if mode is Mode.OFFBOARD:
-        return bits | (0 if a.setpoint is None or isinstance(a.setpoint, RatesSetpoint | MotorSetpoint) else STABILIZED)
+        return bits | (0 if a.setpoint is None or isinstance(a.setpoint, BELOW_ATTITUDE) else STABILIZED)
     if mode is Mode.ACRO:
         return bits | MANUAL_INPUT
     if mode is Mode.ORBIT:

@@ -8,7 +8,7 @@ from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
 from companion.mavlink_common import MAV_FRAME_GLOBAL_INT, MAV_FRAME_LOCAL_NED
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.flight_modes.setpoints import AttitudeSetpoint, MotorSetpoint, RatesSetpoint
+from sim_bridge.autopilot.flight_modes.setpoints import BELOW_ATTITUDE, AttitudeSetpoint
 from sim_bridge.autopilot.messages.parts import (
     NAN,
     Values,
@@ -43,7 +43,7 @@ def attitude_target(a: Autopilot) -> Values:
         a.attitude_told = (now.time_us // 1000, level(heading_of(now.q_nb)), IDLE_THRUST)
     elif isinstance(setpoint, AttitudeSetpoint):
         a.attitude_told = (now.time_us // 1000, setpoint.q_nb, setpoint.thrust)
-    elif not isinstance(setpoint, RatesSetpoint | MotorSetpoint):
+    elif not isinstance(setpoint, BELOW_ATTITUDE):
         a.attitude_told = (now.time_us // 1000, a.cascade.attitude_wanted, a.cascade.thrust)
     time_ms, q, thrust = a.attitude_told
     rates = (NAN if rate is None else rate for rate in a.cascade.rates_wanted)
@@ -77,14 +77,14 @@ def position_target_global_int(a: Autopilot) -> Values | None:
 def _target(a: Autopilot) -> Target | None:
     """What was last asked of the position loop."""
     if a.commander.mode is Mode.OFFBOARD:
-        return a.position_flight.target
+        return a.offboard_flight.position.target
     return a.manual_flight.target if a.commander.mode.main in BY_STICK else a.guidance.target
 
 
 def _position_is_controlled(a: Autopilot) -> bool:
     mode = a.commander.mode
     if mode is Mode.OFFBOARD:
-        return a.setpoint is not None and not isinstance(a.setpoint, AttitudeSetpoint | RatesSetpoint | MotorSetpoint)
+        return a.setpoint is not None and not isinstance(a.setpoint, (AttitudeSetpoint, *BELOW_ATTITUDE))
     return mode.main in (2, 3, 4)
 
 
