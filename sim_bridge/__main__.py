@@ -22,8 +22,19 @@ from companion.config.world.world import home_from, load_world, start_from
 from companion.plain_text import printable, printable_lines
 from companion.vehicle import CompanionError, Vehicle
 from companion.world import Start, World
+from sim_bridge.autopilot.xrce import Release
 from sim_bridge.bridge import Bridge
-from sim_bridge.server import COMPANION, GROUND_STATION, Endpoint, EndpointError, Server, endpoint_of
+from sim_bridge.server import (
+    COMPANION,
+    GROUND_STATION,
+    XRCE_AGENT,
+    Address,
+    Endpoint,
+    EndpointError,
+    Server,
+    address_of,
+    endpoint_of,
+)
 from sim_bridge.truth_file import TruthFile
 
 
@@ -68,13 +79,21 @@ def fly(
     signing_key: Annotated[
         Path | None, typer.Option(help="It has this key from the start and signs; else a companion may give it one.")
     ] = None,
+    xrce: Annotated[bool, typer.Option("--xrce", help="It has PX4's XRCE client too (uxrce_dds_client).")] = False,
+    xrce_agent: Annotated[
+        str | None, typer.Option(help="Where that calls, HOST:PORT; default as PX4, 127.0.0.1:8888. Implies --xrce.")
+    ] = None,
+    xrce_release: Annotated[
+        Release, typer.Option(help="Whose topics it takes and gives, in which versions of their messages.")
+    ] = Release.MAIN,
     truth: Annotated[Path | None, typer.Option(help="Write the true state of every step to this .npy file.")] = None,
 ) -> None:
     """A quadrotor made of software that speaks MAVLink as PX4 does. Ctrl-C ends it."""
     with contextlib.ExitStack() as stack:
         try:
-            inputs = _inputs(vehicle, world, connect, ground_station, start, home, signing_key)
-            bridge, server = _prepared(stack, inputs, seed, speed, motors, landed, truth)
+            inputs = _inputs(vehicle, world, connect, ground_station, start, home, signing_key, xrce_agent)
+            release = xrce_release if xrce or xrce_agent is not None else None
+            bridge, server = _prepared(stack, inputs, seed, speed, motors, landed, release, truth)
         except (CompanionError, ValueError, OSError) as error:
             print(printable_lines(str(error)), file=sys.stderr)
             raise typer.Exit(2) from None
@@ -94,11 +113,12 @@ class Inputs(NamedTuple):
     start: Start | None
     endpoints: list[Endpoint]
     key: bytes | None
+    agent: Address
 
 
 def _inputs(
     vehicle: str, world: str, connect: str | None, ground_station: str | None, start: str | None, home: str | None,
-    signing_key: Path | None,
+    signing_key: Path | None, xrce_agent: str | None,
 ) -> Inputs:  # fmt: skip
     """Read everything. ConfigError with the faults of all of it."""
     faults: list[Fault] = []
@@ -122,20 +142,24 @@ def _inputs(
             endpoints.pop()
         elif ground_station is not None:
             endpoints[1] = endpoint_of(ground_station)
+    agent = XRCE_AGENT
+    with _collecting(faults, "--xrce-agent"):
+        if xrce_agent is not None:
+            agent = address_of(xrce_agent)
     if machine is None or surroundings is None or faults:
         raise ConfigError(faults)
-    return Inputs(machine, surroundings, begins, endpoints, key)
+    return Inputs(machine, surroundings, begins, endpoints, key, agent)
 
 
 def _prepared(
     stack: contextlib.ExitStack, inputs: Inputs, seed: int, speed: float, motors: Motors | None, landed: bool,
-    truth: Path | None,
+    release: Release | None, truth: Path | None,
 ) -> tuple[Bridge, Server]:  # fmt: skip
     """The bridge and its server, the sockets and the truth file open until ``stack`` is left."""
-    vehicle, world, start, endpoints, key = inputs
+    vehicle, world, start, endpoints, key, agent = inputs
     bridge = Bridge(
         vehicle, world, seed=seed, direct=motors is Motors.DIRECT, start=start, landed=landed and start is None,
-        endpoints=len(endpoints), key=key,
+        endpoints=len(endpoints), key=key, xrce=release,
     )  # fmt: skip
     if speed > 1.0:
         bridge.autopilot.parameters.hurry(speed)
@@ -143,7 +167,7 @@ def _prepared(
     after = None if record is None else lambda: record.append(bridge.truth, bridge.autopilot.commands)
     mixing = "motor commands taken" if bridge.direct else "motors mixed as in PX4"
     say(f"{vehicle.name} in {world.name}, {round(1.0 / bridge.step_s)} steps a second, {mixing}")
-    server = Server(bridge, endpoints, speed=speed, log=say, after_step=after)
+    server = Server(bridge, endpoints, agent=agent, speed=speed, log=say, after_step=after)
     stack.callback(server.close)
     return bridge, server
 

@@ -26,6 +26,7 @@ from sim_bridge.autopilot.mavlink.setpoint_link import COMPONENT, SYSTEM
 from sim_bridge.autopilot.mavlink.signing import KeyStore
 from sim_bridge.autopilot.mavlink.streams import GROUND_STATION, ONBOARD, Boot, Streams
 from sim_bridge.autopilot.messages import Values
+from sim_bridge.autopilot.xrce import Release, xrce_client
 from sim_bridge.control.position import Target
 from sim_bridge.link_model import LinkWay
 from sim_bridge.noise import RandomStream, normals
@@ -33,13 +34,12 @@ from sim_bridge.operator import ask
 from sim_bridge.plant import OFF, Plant, Truth
 from sim_bridge.sensors import Sensors, exact
 from sim_bridge.strangers import FIRST_STRANGER, Speaker
+from sim_bridge.teller import Teller
 from sim_bridge.trim import steady_disturbance
-from sim_bridge.world_events import COMPANION, Reach, WorldEvents
+from sim_bridge.world_events import COMPANION, XRCE, Reach, WorldEvents
 
 FAST_STATE = 250.0
 """Hz. A vehicle that is asked for its state more often than this steps at 1 ms instead of PX4's 4 ms."""
-TEXTS, TEXTS_PERIOD = 8, 0.1
-"""How many texts are told in so many s; what somebody provokes beyond is dropped, as by PX4's queue."""
 STICKS_US = 20_000
 """us between two samples of a pilot's sticks: a joystick's 50 Hz."""
 HOVER = Start.hover((0.0, 0.0, -10.0))
@@ -53,7 +53,8 @@ class Bridge:
     on just now; otherwise it begins in the air as ``start`` says, by default in a hover 10 m above the origin.
     ``direct``: it takes SET_ACTUATOR_CONTROL_TARGET as motor commands, as it also does if its vehicle file says so.
     ``endpoints``: 1 leaves the ground station out. ``seed``: of every chance in the world. ``key``: what it signs with
-    from the start. ValueError: the vehicle cannot be flown. Nothing received ever raises.
+    from the start. ``xrce``: it has an XRCE client too, of that PX4; its line is endpoint XRCE. ValueError: the vehicle
+    cannot be flown. Nothing received ever raises.
 
     ``log``: lines for a person, to be taken out by whoever shows them. ``orders``: what a world's operator asked for,
     when, and the answer. ``ports_dialled``: how often the vehicle has changed its port to the companion.
@@ -70,6 +71,7 @@ class Bridge:
         landed: bool = False,
         endpoints: int = 2,
         key: bytes | None = None,
+        xrce: Release | None = None,
     ) -> None:
         self._per_second = 1000 if vehicle.state_rate > FAST_STATE else 250
         self.step_s = 1.0 / self._per_second
@@ -114,10 +116,9 @@ class Bridge:
         self.ports_dialled = 0
         self.orders: list[tuple[float, Operator, MavResult | None]] = []
         self._leaving: list[tuple[int, bytes]] = []
-        self.log: list[str] = []
-        self._noted = ("", 0.0)
-        self._texts_left, self._tell_again_at = TEXTS, 0.0
-        self._logged = self.autopilot.commander.mode
+        self._teller = Teller(self.autopilot, self.links)
+        self.log = self._teller.log
+        self.xrce = None if xrce is None else xrce_client(self.autopilot, xrce)
 
     @property
     def now(self) -> float:
@@ -150,13 +151,16 @@ class Bridge:
             self._let_happen(now_us)
         if not self._held:
             self._pass()
-        self._tell()
+        self._teller.tell(self.now)
         now_us += self._step_us
         built: dict[int, Values | None] = {}  # what one link has just said is said to the other too
         for endpoint, link in enumerate(self.links):
             link.stream(now_us, built)
             if link.outbox:
-                self._send(endpoint, link)
+                self._send(endpoint, link.outbox)
+        if self.xrce is not None:
+            self.xrce.step(now_us)
+            self._send(XRCE, self.xrce.session.outbox)
 
     def _let_happen(self, now_us: int) -> None:
         """What the world's events bring, at ``now_us`` of our clock. While the vehicle is held, their time stands."""
@@ -231,16 +235,21 @@ class Bridge:
         self.autopilot.begin_in_flight(self._sensors.observe(self.plant.truth), self.plant.truth, commands, disturbance)
 
     def _deliver(self, datagram: bytes, endpoint: int) -> None:
-        frames = self.links[endpoint].receive(datagram, is_piece=self._up.cuts(endpoint))
-        if len(self.links) > 1:
-            for frame in frames:
-                self._forward(frame, endpoint)
+        if endpoint == XRCE:
+            if self.xrce is not None:
+                self.xrce.receive(datagram)
+                self._send(XRCE, self.xrce.session.outbox)
+        else:
+            frames = self.links[endpoint].receive(datagram, is_piece=self._up.cuts(endpoint))
+            if len(self.links) > 1:
+                for frame in frames:
+                    self._forward(frame, endpoint)
         if self._held and self.autopilot.offboard_flown:
             self._held = False
-        self._tell()
+        self._teller.tell(self.now)
         for number, link in enumerate(self.links):
             if link.outbox:
-                self._send(number, link)
+                self._send(number, link.outbox)
 
     def _forward(self, frame: Frame, endpoint: int) -> None:
         """Pass a frame on to the other endpoints, as PX4 does with what is not for itself alone."""
@@ -256,36 +265,10 @@ class Bridge:
             if number != endpoint and known:
                 link.outbox.append(frame.raw)
 
-    def _tell(self) -> None:
-        """Send and log the commander's texts, and log what has changed."""
-        commander = self.autopilot.commander
-        if commander.texts:
-            for text in commander.texts:
-                self._note(text.text.rstrip("\t"))
-                if self.now >= self._tell_again_at:
-                    self._texts_left, self._tell_again_at = TEXTS, self.now + TEXTS_PERIOD
-                if self._texts_left > 0:
-                    self._texts_left -= 1
-                    self.autopilot.events.happened(
-                        text, self.autopilot.estimate.time_us, commander.user_intended_mode, commander.mode
-                    )  # fmt: skip
-                    for link in self.links:
-                        link.say(text)
-            commander.texts.clear()
-        if commander.mode is not self._logged:
-            self._logged = commander.mode
-            self._note(f"mode {commander.mode.name}{'' if commander.failsafe is None else ' (failsafe)'}")
-
-    def _note(self, line: str) -> None:
-        """Log a line, but not again and again what somebody provokes many times a second."""
-        if line != self._noted[0] or self.now - self._noted[1] >= 1.0:
-            self.log.append(line)
-            self._noted = (line, self.now)
-
-    def _send(self, endpoint: int, link: Link) -> None:
-        for datagram in link.outbox:
+    def _send(self, endpoint: int, outbox: list[bytes]) -> None:
+        for datagram in outbox:
             self._pass_down(endpoint, datagram)
-        link.outbox.clear()
+        outbox.clear()
 
     def _pass_down(self, endpoint: int, datagram: bytes) -> None:
         if self._down.is_clear_for(endpoint):

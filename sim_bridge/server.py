@@ -19,6 +19,7 @@ from urllib.parse import urlsplit
 from companion.vehicle import CompanionError
 from sim_bridge.bridge import Bridge
 from sim_bridge.strangers import FIRST_STRANGER
+from sim_bridge.world_events import XRCE
 
 Address = tuple[str, int]
 
@@ -47,6 +48,8 @@ COMPANION = Endpoint((LOOPBACK, 14580), (LOOPBACK, 14540))
 """As PX4's simulation: from 14580 to 14540."""
 GROUND_STATION = Endpoint((LOOPBACK, 18570), (LOOPBACK, 14550))
 """As PX4's simulation: from 18570 to 14550."""
+XRCE_AGENT: Address = (LOOPBACK, 8888)
+"""Where PX4's XRCE client calls by default (UXRCE_DDS_AG_IP, UXRCE_DDS_PRT)."""
 
 
 def endpoint_of(url: str) -> Endpoint:
@@ -70,10 +73,22 @@ def endpoint_of(url: str) -> Endpoint:
     return Endpoint((LOOPBACK if host.startswith("127.") else "0.0.0.0", 0), (host, port))
 
 
+def address_of(text: str) -> Address:
+    """The address ``HOST:PORT``. EndpointError: it is none."""
+    try:
+        peer = endpoint_of(f"udpout://{text}").peer
+    except EndpointError:
+        peer = None
+    if peer is None:
+        raise EndpointError(f"{text!r} is no address of an agent; expected HOST:PORT, such as 127.0.0.1:8888")
+    return peer
+
+
 class Server:
     """Runs a bridge on sockets, one an endpoint. EndpointError: a port is taken; ValueError: not as many as it has.
 
-    ``speed``: plant seconds a second. ``after_step`` is called after each step. ``log`` takes lines for a person.
+    ``agent``: where the bridge's XRCE client calls, if it has one. ``speed``: plant seconds a second. ``after_step`` is
+    called after each step. ``log`` takes lines for a person.
     """
 
     def __init__(
@@ -81,6 +96,7 @@ class Server:
         bridge: Bridge,
         endpoints: Sequence[Endpoint],
         *,
+        agent: Address = XRCE_AGENT,
         speed: float = 1.0,
         log: Callable[[str], None],
         after_step: Callable[[], None] | None = None,
@@ -98,6 +114,8 @@ class Server:
         self._heard = [False] * len(endpoints)
         self._speed = speed
         self._said_slow = 0.0
+        self._agent = agent
+        self._xrce: list[socket.socket] = []  # none or one
         for endpoint in endpoints:
             try:
                 self._sockets.append(_bound(endpoint.bind))
@@ -108,6 +126,9 @@ class Server:
         for name, bound, endpoint in zip(("companion", "ground station"), self._sockets, endpoints, strict=False):
             to = "whoever calls" if endpoint.peer is None else "{}:{}".format(*endpoint.peer)
             log(f"{name}: from {':'.join(map(str, bound.getsockname()))} to {to}")
+        if bridge.xrce is not None:
+            self._xrce.append(_bound((LOOPBACK if agent[0].startswith("127.") else "0.0.0.0", 0)))
+            log("XRCE client: to {}:{}".format(*agent))
 
     @property
     def local(self) -> Address:
@@ -143,26 +164,28 @@ class Server:
 
     def close(self) -> None:
         """Close the sockets."""
-        for each in (*self._sockets, *self._strangers.values()):
+        for each in (*self._sockets, *self._xrce, *self._strangers.values()):
             each.close()
 
     def _wait(self, due: float) -> None:
         """Receive until ``due``, at least once."""
         left = due - time.monotonic()
         while True:
-            ready, _, _ = select.select(self._sockets, (), (), max(0.0, left))
+            ready, _, _ = select.select((*self._sockets, *self._xrce), (), (), max(0.0, left))
             for each in ready:
-                self._receive(self._sockets.index(each))
+                self._receive(XRCE if each in self._xrce else self._sockets.index(each))
             left = due - time.monotonic()
             if left <= 0.0:
                 return
 
     def _receive(self, endpoint: int) -> None:
         try:
-            datagram, address = self._sockets[endpoint].recvfrom(DATAGRAM_MAX)
+            datagram, address = self._socket(endpoint).recvfrom(DATAGRAM_MAX)
         except OSError:  # what an unreachable peer leaves behind
             return
-        if not self._heard[endpoint]:  # as in PX4, the first one to call is the partner from then on
+        if (
+            endpoint != XRCE and not self._heard[endpoint]
+        ):  # as in PX4, the first one to call is the partner from then on
             self._heard[endpoint] = True
             if self._peers[endpoint] != address:
                 self._peers[endpoint] = address
@@ -173,12 +196,15 @@ class Server:
     def _send(self) -> None:
         for endpoint, datagram in self._bridge.datagrams():
             is_stranger = endpoint >= FIRST_STRANGER
-            peer = self._peers[0 if is_stranger else endpoint]
+            peer = self._agent if endpoint == XRCE else self._peers[0 if is_stranger else endpoint]
             if peer is not None:
                 try:
-                    (self._stranger(endpoint) if is_stranger else self._sockets[endpoint]).sendto(datagram, peer)
+                    (self._stranger(endpoint) if is_stranger else self._socket(endpoint)).sendto(datagram, peer)
                 except OSError:  # nobody there, or the buffer is full: UDP may lose it
                     continue
+
+    def _socket(self, endpoint: int) -> socket.socket:
+        return self._xrce[0] if endpoint == XRCE else self._sockets[endpoint]
 
     def _stranger(self, endpoint: int) -> socket.socket:
         """The socket of a stranger with a port of his own."""

@@ -14,6 +14,7 @@ from companion.world.events import (
     Happening,
     Hold,
     LinkEvent,
+    LinkRecut,
     MotorFailure,
     Operator,
     PortChange,
@@ -32,8 +33,8 @@ from sim_bridge.sensors import Sensors
 from sim_bridge.state_faults import StateFaults
 from sim_bridge.strangers import Speaker
 
-COMPANION, GROUND_STATION = 0, 1
-"""Endpoints."""
+COMPANION, GROUND_STATION, XRCE = 0, 1, -1
+"""Endpoints: the two MAVLink links, and the line to the companion's XRCE agent, which shares the companion's fate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,4 +127,5 @@ def _left(failures: list[MotorFailure]) -> Four:
 
 
 def _endpoints(event: LinkEvent) -> list[int]:
-    return [*([COMPANION] if event.companion else []), *([GROUND_STATION] if event.ground_station else [])]
+    companions = [COMPANION] if isinstance(event, LinkRecut) else [COMPANION, XRCE]  # XRCE has no stream to cut anew
+    return [*(companions if event.companion else []), *([GROUND_STATION] if event.ground_station else [])]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from companion.frames import Quaternion, Vec3
 from companion.geodesy import MapProjection
 from companion.mavlink.modes import Landed, Mode
@@ -14,14 +16,16 @@ from sim_bridge.autopilot.commander.arming_checks import HealthAndArmingChecks
 from sim_bridge.autopilot.commander.battery import Battery
 from sim_bridge.autopilot.commander.commander import MANUAL, READY_AFTER, Commander
 from sim_bridge.autopilot.commander.events import Events
+from sim_bridge.autopilot.commander.external_modes import EXTERNAL
 from sim_bridge.autopilot.commander.fence_watch import FenceWatch
 from sim_bridge.autopilot.commander.home_position import HomePosition
-from sim_bridge.autopilot.commander.landing import LandDetector
+from sim_bridge.autopilot.commander.landing import LandDetector, Stillness
 from sim_bridge.autopilot.flight_modes.guidance import Guidance, TakeOff, Throttle
 from sim_bridge.autopilot.flight_modes.manual import BY_PLACE_OR_HEIGHT, ManualFlight
 from sim_bridge.autopilot.flight_modes.manual_control import CENTRED, ManualControl, ManualControlSetpoint
 from sim_bridge.autopilot.flight_modes.offboard import Ground, OffboardFlight, fly
 from sim_bridge.autopilot.flight_modes.setpoints import BELOW_ATTITUDE, MotorSetpoint, Setpoint
+from sim_bridge.autopilot.flight_modes.topics import PAST_THE_LOOPS, Level, TopicSetpoint
 from sim_bridge.autopilot.missions.flight import MissionFlight
 from sim_bridge.autopilot.missions.mission_watch import MissionWatch
 from sim_bridge.autopilot.missions.store import Store
@@ -77,7 +81,7 @@ class Autopilot:
         self.offboard_flown = False
         self.unix_us_at_boot = UNIX_US_AT_BOOT
         self.attitude_told: tuple[int, Quaternion, float] = (0, (1.0, 0.0, 0.0, 0.0), 0.0)  # by ATTITUDE_TARGET
-        self._landing = LandDetector(landed=True)
+        self._landing, self._stillness = LandDetector(landed=True), Stillness(self.parameters)
         self._stands = True
         self._supervise_at_us = 0
         self._flown: Mode | None = None
@@ -100,6 +104,12 @@ class Autopilot:
     def setpoint(self) -> Setpoint | None:
         """What offboard flies."""
         return self.offboard_flight.setpoint
+
+    @property
+    def level(self) -> Level:
+        """The level the vehicle's own loops are told at."""
+        external = self.commander.external_modes.of(self.commander.mode)
+        return self.offboard_flight.level(self.commander.mode, None if external is None else external.level)
 
     @property
     def commands(self) -> Four:
@@ -133,9 +143,18 @@ class Autopilot:
             return None
         if mode is not self._flown:
             self._enter(mode)
-        if mode is Mode.OFFBOARD:
+        written = self.offboard_flight.topics.take_fresh(self.level)
+        if written is not None and not isinstance(written, PAST_THE_LOOPS):
+            return fly(cascade, now, written, commander.landed)
+        own = self._control(now, mode)
+        return own if written is None else self.offboard_flight.fight(written)
+
+    def _control(self, now: Estimate, mode: Mode) -> Four:
+        """What the vehicle's own loops make of the mode."""
+        commander, cascade = self.commander, self.cascade
+        if mode is Mode.OFFBOARD or (mode in EXTERNAL and self.level >= Level.ATTITUDE):
             on = Ground(commander.landed, self._stands, self._landing.touching)
-            return self.offboard_flight.fly(now, on, self.t - commander.armed_at)
+            return self.offboard_flight.fly(now, self.level, on, self.t - commander.armed_at)
         if mode in MANUAL:
             return self._fly_by_stick(now)
         if cascade.wants_target:
@@ -180,6 +199,8 @@ class Autopilot:
         """Notice landing and take-off, run the timers, change modes that end by themselves."""
         commander = self.commander
         throttle = self.cascade.thrust / self.cascade.hover
+        if isinstance(self.setpoint, PAST_THE_LOOPS):
+            contact = self._stillness.update(self.t, estimate, self.cascade.thrust) or contact
         commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
         if not commander.landed and self.guidance.takeoff_is_over(estimate):
             commander.takeoff_is_over()
@@ -196,8 +217,26 @@ class Autopilot:
         if isinstance(setpoint, MotorSetpoint) and not self.direct:
             return
         self.commander.setpoint_arrived(self.t)
+        self.offboard_flight.topics.level = None
         if self.commander.armed and self.commander.mode is Mode.OFFBOARD:
             self.offboard_flight.take(setpoint)
+            self.offboard_flown = True
+
+    def take_offboard_mode(self, level: Level | None, at: float) -> None:
+        """offboard_control_mode is written, by its own account at ``at`` (s). None: it asks for nothing."""
+        self.offboard_flight.topics.level = level
+        self.commander.setpoint_arrived(-math.inf if level is None else at)
+        self._take_topics()
+
+    def write(self, written: TopicSetpoint) -> None:
+        """A setpoint's own topic is written, in whatever mode."""
+        self.offboard_flight.topics.write(written)
+        self._take_topics()
+
+    def _take_topics(self) -> None:
+        wanted = self.offboard_flight.topics.wanted(self.level)
+        if wanted is not None and self.commander.armed:
+            self.offboard_flight.take(wanted)
             self.offboard_flown = True
 
     def take_sticks(self, position: ManualControlSetpoint, source: object) -> None:
@@ -254,7 +293,7 @@ class Autopilot:
         if mode in MANUAL:
             self.manual_flight.enter(mode, self.estimate)
         else:
-            self.guidance.enter(mode, self.estimate)
+            self.guidance.enter(Mode.HOLD if mode in EXTERNAL else mode, self.estimate)
         if mode is not Mode.OFFBOARD:
             self.offboard_flight.setpoint = None
             if came_from_offboard:

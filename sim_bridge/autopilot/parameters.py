@@ -30,6 +30,13 @@ VOLATILE = frozenset(
 )
 """What changes by itself and is left out of the hash."""
 
+XRCE: Mapping[str, float] = {
+    "UXRCE_DDS_AG_IP": 2130706433, "UXRCE_DDS_CFG": 0, "UXRCE_DDS_DOM_ID": 0, "UXRCE_DDS_FLCTRL": 0, "UXRCE_DDS_KEY": 1,
+    "UXRCE_DDS_PRT": 8888, "UXRCE_DDS_PTCFG": 0, "UXRCE_DDS_RX_TO": -1, "UXRCE_DDS_SYNCC": 0, "UXRCE_DDS_SYNCT": 1,
+    "UXRCE_DDS_TX_TO": 3,
+}  # fmt: skip
+"""What a vehicle with an XRCE client has beside the table."""
+
 
 @cache
 def table() -> Mapping[str, float]:
@@ -47,6 +54,15 @@ class Parameters(dict[str, float]):
         self.names = tuple(defaults)
         self.index = {name: i for i, name in enumerate(self.names)}
         self.changes: list[str] = []
+
+    def add(self, more: Mapping[str, float]) -> None:
+        """More parameters, in their place among the names."""
+        self.defaults = dict(sorted({**self.defaults, **more}.items()))
+        before = dict(self)
+        self.clear()
+        self.update({name: before.get(name, value) for name, value in self.defaults.items()})
+        self.names = tuple(self.defaults)
+        self.index = {name: i for i, name in enumerate(self.names)}
 
     def is_integer(self, name: str) -> bool:
         """Whether a parameter is an int32 rather than a float32."""

@@ -74,6 +74,20 @@ class Cascade:
         self.commands = commands
         return commands
 
+    def hold_motors(self, commands: Four) -> Four:
+        """Motor commands as they come, while the thrust asked for stays what it was."""
+        self._by_hand = True
+        self.commands = commands
+        return commands
+
+    def fly_torque(self, torque: Vec3) -> Four:
+        """A normalised torque, and the thrust that was last asked for."""
+        return self.hold_motors(self.mixed(torque))
+
+    def mixed(self, torque: Vec3) -> Four:
+        """The motor commands of a normalised torque and the thrust that was last asked for."""
+        return self._mixer.mix(torque, self.thrust)[0]
+
     def fly_rates(self, now: Estimate, rates: RatesWanted, thrust: float, on_ground: bool = False) -> Four:
         """Body rates (rad/s) and thrust."""
         if self._by_hand:  # the loop has not seen the steps in which the motors were told directly

@@ -37,7 +37,11 @@ class Client:
         self._heartbeat_at: float | None = None
 
     def listen(self) -> None:
-        for endpoint, datagram in self.bridge.datagrams():
+        self.remember(self.bridge.datagrams())
+
+    def remember(self, arrived: list[tuple[int, bytes]]) -> None:
+        """What came over MAVLink."""
+        for endpoint, datagram in arrived:
             for frame in self._decoders[endpoint].datagram(datagram):
                 if (frame.system, frame.component) != (1, 1):
                     continue  # passed on from the other link

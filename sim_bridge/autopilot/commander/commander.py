@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from companion.mavlink.modes import Mode
 from companion.mavlink_common import MavResult, MavSeverity
+from sim_bridge.autopilot.commander.external_modes import EXTERNAL, ExternalModes
 from sim_bridge.autopilot.commander.failsafe import (
     MODE_FROM_ACTION,
     Action,
@@ -59,6 +60,7 @@ class Commander:
         self._parameters = parameters
         self._ready_at = ready_at
         self.failsafe_flags = FailsafeFlags()
+        self.external_modes = ExternalModes(parameters)
         self.armed = False
         self.armed_at = 0.0
         self.user_intended_mode = Mode.HOLD
@@ -170,9 +172,9 @@ class Commander:
         if self.user_intended_mode is Mode.TAKEOFF:
             self._change_user_intended_mode(Mode.HOLD)
 
-    def mission_is_over(self) -> None:
-        """The last item of the mission has been flown, in the air."""
-        if self.user_intended_mode is Mode.MISSION:
+    def mode_is_over(self, mode: Mode | None) -> None:
+        """The last item of the mission has been flown, in the air; or whoever brought a mode has taken it away."""
+        if self.user_intended_mode is mode:
             self._change_user_intended_mode(Mode.HOLD)
 
     def setpoint_arrived(self, t: float) -> None:
@@ -195,6 +197,7 @@ class Commander:
         """Look at the clock and at the facts: what is lost or back, automatic disarming."""
         self._watch_setpoints(t)
         self._watch_sticks()
+        self.external_modes.update(t, self.armed, self.user_intended_mode)
         self._update_failsafe(t)
         if self.armed and self.landed:
             at_the_end = self.user_intended_mode is Mode.MISSION and self.failsafe_flags.mission_finished
@@ -265,6 +268,8 @@ class Commander:
         """Whether a mode can run, sticks and setpoints apart."""
         if mode in UNSUPPORTED_MODES or not self.is_ready(t):
             return False
+        if mode in EXTERNAL:
+            return self.external_modes.can_run(mode)
         return mode is not Mode.MISSION or not self.failsafe_flags.auto_mission_missing
 
     def _arming_is_accepted(self, t: float) -> bool:

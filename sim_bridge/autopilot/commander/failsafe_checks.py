@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.commander.battery import ChargeState
+from sim_bridge.autopilot.commander.external_modes import EXTERNAL
 from sim_bridge.autopilot.commander.failsafe import Action, ActionOptions, ClearCondition, UserTakeoverAllowed
 from sim_bridge.autopilot.commander.failsafe_flags import FailsafeFlags
 from sim_bridge.autopilot.parameters import Parameters
@@ -56,7 +57,7 @@ _EXCEPTION_BIT = {Mode.MISSION: 1, Mode.OFFBOARD: 4, Mode.ALTITUDE_CRUISE: 16} |
         Mode.GUIDED_COURSE,
     ),
     2,
-)  # fmt: skip
+) | dict.fromkeys(EXTERNAL, 8)  # fmt: skip
 """The bit of COM_RCL_EXCEPT and COM_DLL_EXCEPT that forgives a lost link in a mode."""
 
 

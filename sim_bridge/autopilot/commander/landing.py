@@ -2,12 +2,43 @@
 
 from __future__ import annotations
 
+import math
+
+from sim_bridge.autopilot.parameters import Parameters
+from sim_bridge.sensors import Estimate
+
 TAKEOFF_THROTTLE = 0.30
 """Throttle over hover throttle from which a vehicle on the ground counts as taking off."""
 CONTACT_TIME = 1.25
 """s of standing on something, while asked to sink, until that is taken for the ground and the throttle is closed."""
 LOW_TIME = 0.7
 """s of standing with a low throttle until the vehicle counts as landed."""
+
+STILL_TIME = 1.0 / 3.0
+"""s of not moving until PX4 takes that for contact with the ground (the first of its three stages)."""
+IDLE_MARGIN = 0.01
+"""Normalised thrust above MPC_MANTHR_MIN that still counts as none."""
+
+
+class Stillness:
+    """What PX4 takes for the ground where nobody flies a climb rate: no thrust is asked for, and the vehicle stands
+    still. Whoever flies it by its motors and says nothing of the thrust is believed to have landed in the air."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+        self._since: float | None = None
+
+    def update(self, t: float, now: Estimate, thrust: float) -> bool:
+        """Whether it feels like the ground at ``t`` (s). ``thrust``: the last vehicle_thrust_setpoint, upwards."""
+        limits = self._parameters
+        still = (
+            thrust <= limits["MPC_MANTHR_MIN"] + IDLE_MARGIN
+            and abs(now.v_n[2]) < limits["LNDMC_Z_VEL_MAX"]
+            and math.hypot(*now.v_n[:2]) < limits["LNDMC_XY_VEL_MAX"]
+            and math.hypot(*now.w_b[:2]) < math.radians(limits["LNDMC_ROT_MAX"])
+        )
+        self._since = None if not still else t if self._since is None else self._since
+        return self._since is not None and t - self._since >= STILL_TIME
 
 
 class LandDetector:

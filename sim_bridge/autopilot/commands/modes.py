@@ -20,6 +20,7 @@ from companion.mavlink_common import (
 )
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander.commander import FORCE
+from sim_bridge.autopilot.commander.external_modes import EXTERNAL
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, byte, whole
 from sim_bridge.autopilot.flight_modes.guidance import TakeOff
 from sim_bridge.autopilot.flight_modes.orbit import ordered
@@ -36,7 +37,7 @@ ANY_SUB = {
 """Main modes whose sub mode is not looked at."""
 AUTO_MODES = {
     0: Mode.MISSION, 2: Mode.TAKEOFF, 3: Mode.HOLD, 4: Mode.MISSION, 5: Mode.RETURN, 6: Mode.LAND, 8: Mode.FOLLOW,
-    9: Mode.PRECISION_LAND, 19: Mode.GUIDED_COURSE,
+    9: Mode.PRECISION_LAND, 19: Mode.GUIDED_COURSE, **{mode.sub: mode for mode in EXTERNAL},
 }  # fmt: skip
 STANDARD = {
     1: Mode.POSITION, 2: Mode.ORBIT, 4: Mode.ALTITUDE, 5: Mode.RETURN, 6: Mode.MISSION, 7: Mode.LAND, 8: Mode.TAKEOFF,

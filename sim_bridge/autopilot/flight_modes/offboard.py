@@ -5,9 +5,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from companion.frames import euler_from_rotation, rotation_matrix
+from companion.mavlink.modes import Mode
 from sim_bridge.autopilot.flight_modes.guidance import CLOSED_OF_HOVER, Throttle, takeoff_throttle
 from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
-from sim_bridge.autopilot.flight_modes.setpoints import AttitudeSetpoint, MotorSetpoint, RatesSetpoint, Setpoint
+from sim_bridge.autopilot.flight_modes.setpoints import (
+    ActuatorMotors,
+    AttitudeSetpoint,
+    MotorSetpoint,
+    RatesSetpoint,
+    Setpoint,
+    TorqueSetpoint,
+)
+from sim_bridge.autopilot.flight_modes.topics import LEVEL_OF, Level, Topics
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.control.cascade import Cascade
 from sim_bridge.control.position import Target
@@ -63,11 +72,13 @@ class PositionFlight:
 class OffboardFlight:
     """Flies the last ``setpoint``, for as long as the commander leaves the vehicle in offboard; None: none has come.
 
-    ``position``: the flight to places. ``direct``: the vehicle takes motor commands over MAVLink.
+    ``position``: the flight to places. ``topics``: what is written from outside. ``direct``: the vehicle takes motor
+    commands over MAVLink.
     """
 
     def __init__(self, parameters: Parameters, cascade: Cascade, *, direct: bool) -> None:
         self.position = PositionFlight(parameters)
+        self.topics = Topics()
         self.setpoint: Setpoint | None = None
         self._cascade = cascade
         self._direct = direct
@@ -78,17 +89,23 @@ class OffboardFlight:
             self._cascade.begin_position()
         self.setpoint = setpoint
 
-    def fly(self, now: Estimate, on: Ground, armed_for: float) -> Four:
-        """The motor commands; before the first setpoint what was flown goes on. ``armed_for``: s."""
+    def fly(self, now: Estimate, level: Level, on: Ground, armed_for: float) -> Four:
+        """The motor commands; before the first setpoint of a ``level`` what was flown goes on. ``armed_for``: s."""
         setpoint, cascade = self.setpoint, self._cascade
         if isinstance(setpoint, MotorSetpoint):
             return cascade.fly_motors(now, setpoint.commands)
         if isinstance(setpoint, TrajectorySetpoint):
             return self._fly_to_a_place(now, setpoint, on, armed_for)
+        if isinstance(setpoint, ActuatorMotors):
+            return cascade.hold_motors(setpoint.commands)
+        if isinstance(setpoint, TorqueSetpoint):
+            return cascade.fly_torque(setpoint.torque)
         if setpoint is not None:
             return fly(cascade, now, setpoint, on.landed)
         if self._direct:
             return cascade.fly_motors(now, cascade.commands)
+        if level >= Level.TORQUES:
+            return cascade.hold_motors(cascade.commands)
         return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, on.landed)
 
     def _fly_to_a_place(self, now: Estimate, setpoint: TrajectorySetpoint, on: Ground, armed_for: float) -> Four:
@@ -100,6 +117,23 @@ class OffboardFlight:
                 return cascade.open_throttle(now, wanted.of_hover)
             cascade.aim(now, wanted)
         return cascade.fly_aim(now)
+
+    def level(self, mode: Mode, external: Level | None) -> Level:
+        """The level the vehicle's own loops are told at in a mode. ``external``: at which it is flown by others."""
+        if external is not None:
+            return external
+        if mode is not Mode.OFFBOARD:
+            return Level.POSITION
+        if self.topics.level is not None:
+            return self.topics.level
+        return Level.RATES if self.setpoint is None else LEVEL_OF.get(type(self.setpoint), Level.POSITION)
+
+    def fight(self, written: ActuatorMotors | TorqueSetpoint) -> Four:
+        """The motor commands of a step in which somebody wrote past the vehicle's own loops."""
+        cascade = self._cascade
+        commands = written.commands if isinstance(written, ActuatorMotors) else cascade.mixed(written.torque)
+        cascade.commands = commands
+        return commands
 
 
 def fly(cascade: Cascade, now: Estimate, setpoint: AttitudeSetpoint | RatesSetpoint, landed: bool) -> Four:

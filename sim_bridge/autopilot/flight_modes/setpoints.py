@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.frames import Quaternion
+from companion.frames import Quaternion, Vec3
 from companion.mavlink.dialect import Value, message
 from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
 from sim_bridge.control.rates import RatesWanted
@@ -57,6 +57,19 @@ class MotorSetpoint(NamedTuple):
     commands: Four
 
 
+class ActuatorMotors(NamedTuple):
+    """PX4's actuator_motors, in the rotors' own units: held until others come. Nobody is told the thrust."""
+
+    commands: Four
+
+
+class TorqueSetpoint(NamedTuple):
+    """PX4's vehicle_torque_setpoint, normalised: the vehicle's own mixer makes motor commands of it and the last
+    vehicle_thrust_setpoint."""
+
+    torque: Vec3
+
+
 class RatesSetpoint(NamedTuple):
     """Body rates (rad/s) and normalised thrust (up)."""
 
@@ -72,9 +85,9 @@ class AttitudeSetpoint(NamedTuple):
     heading_rate: float
 
 
-BELOW_ATTITUDE = (MotorSetpoint, RatesSetpoint)
+BELOW_ATTITUDE = (MotorSetpoint, ActuatorMotors, TorqueSetpoint, RatesSetpoint)
 """Setpoints with which nobody in the vehicle controls the attitude."""
-Setpoint = MotorSetpoint | RatesSetpoint | AttitudeSetpoint | TrajectorySetpoint
+Setpoint = MotorSetpoint | ActuatorMotors | TorqueSetpoint | RatesSetpoint | AttitudeSetpoint | TrajectorySetpoint
 
 
 def attitude_target(values: tuple[Value, ...]) -> RatesSetpoint | AttitudeSetpoint | None:

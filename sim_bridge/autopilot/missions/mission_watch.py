@@ -56,7 +56,7 @@ class MissionWatch:
         if not commander.armed:
             mission.disarmed()
         elif commander.user_intended_mode is Mode.MISSION and mission.finished and not commander.landed:
-            commander.mission_is_over()
+            commander.mode_is_over(Mode.MISSION)
 
     def _check(self, is_new: bool) -> None:
         """Whether the mission can be flown; if not, why not is said."""
