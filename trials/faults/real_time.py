@@ -10,6 +10,7 @@ from typing import NamedTuple
 from companion.daemon.address import UdpPort
 from companion.daemon.conductor import Conductor
 from companion.daemon.loop import NoVehicleError, clock, run
+from companion.daemon.realtime import PRIORITY, at_priority
 from companion.mavlink.peer import Received, Source
 from companion.vehicle import Mode, OutputLevel
 from companion.world.events import Event, Operator
@@ -158,6 +159,7 @@ def vehicle(case: Case, level: OutputLevel, companion: Address, told: Connection
             for event in events:
                 bridge.world_events.add(shifted(event, bridge.truth.t_boot))
 
+    at_priority(PRIORITY + 5)  # the vehicle is punctual, whatever else the machine has to do
     begun = time.monotonic()
     server.run(lambda: bool(over))
     behind = time.monotonic() - begun - bridge.now
