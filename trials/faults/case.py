@@ -14,6 +14,8 @@ from companion.world import Link
 from companion.world.events import Event, Operator, Order, When
 
 LEVELS = (OutputLevel.RATES, OutputLevel.ATTITUDE, OutputLevel.MOTORS)
+BEFORE_FLIGHT = LEVELS[:1]
+"""Where a flight is refused by rules in which the level has no say."""
 
 
 class Begin(enum.Enum):

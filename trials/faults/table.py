@@ -27,7 +27,7 @@ PAGE = """# Faults
 Every fault that was ever seen or thought of, each as a flight in lockstep against the stand-in, from a hover on a circle
 of 5 m at 10 m height and 3 m/s unless it says otherwise. Made by `python -m bench.faults`; each row is a case of
 `trials/faults/deck`, whose world keys `docs/worlds.md` explains. Three figures are those at rates, attitude and motors;
-one stands for all; a case that is not for a level is not flown at it.
+one stands for all of them. What is refused before the flight by rules in which the level has no say is shown at rates.
 
 *Must end*: flown as if nothing had happened; held (given up with a reason, the vehicle in Hold); refused (nothing armed,
 no mode asked for); the operator's (over, and the vehicle does what he said); PX4's failsafe (over, and what PX4 does about

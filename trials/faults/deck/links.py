@@ -15,7 +15,7 @@ from companion.world.events import (
     LinkThin,
     When,
 )
-from trials.faults.case import LEVELS, Begin, Case, End, Strike, levels_of
+from trials.faults.case import BEFORE_FLIGHT, LEVELS, Begin, Case, End, Strike, levels_of
 
 ODOMETRY = frozenset({"ODOMETRY"})
 STATUS = frozenset({"HEARTBEAT", "CURRENT_MODE"})
@@ -95,7 +95,7 @@ IN_PIECES = (
          events=(LinkRecut(When(0.0), size=77),)),
     Case("14 states a second", End.FLOWN, "14 states a second", or_end=(End.REFUSED,), begin=Begin.ON_THE_GROUND,
          events=(LinkThin(When(0.0), up=False, messages=ODOMETRY, rate=14.0),)),
-    Case("6 states a second", End.REFUSED, "6 states a second", begin=Begin.ON_THE_GROUND,
+    Case("6 states a second", End.REFUSED, "6 states a second", levels=BEFORE_FLIGHT, begin=Begin.ON_THE_GROUND,
          events=(LinkThin(When(0.0), up=False, messages=ODOMETRY, rate=6.0),)),
     Case("14 states a second from the middle of the path on", End.FLOWN, or_end=(End.HELD,), phase=Phase.FOLLOW,
          events=(LinkThin(When(2.0), up=False, messages=ODOMETRY, rate=14.0),)),
@@ -154,11 +154,12 @@ SILENT = (
          events=(down(messages=frozenset({"BATTERY_STATUS", "ESTIMATOR_STATUS"})),)),
     Case("EXTENDED_SYS_STATE silent in flight", End.FLOWN, phase=Phase.FOLLOW,
          events=(down(1.0, messages=frozenset({"EXTENDED_SYS_STATE"})),)),
-    Case("EXTENDED_SYS_STATE never heard", End.REFUSED, "EXTENDED_SYS_STATE",
+    Case("EXTENDED_SYS_STATE never heard", End.REFUSED, "EXTENDED_SYS_STATE", levels=BEFORE_FLIGHT,
          events=(down(messages=frozenset({"EXTENDED_SYS_STATE"})),)),
     Case("EXTENDED_SYS_STATE never heard, on the ground", End.REFUSED, "EXTENDED_SYS_STATE", begin=Begin.ON_THE_GROUND,
+         levels=BEFORE_FLIGHT,
          events=(down(messages=frozenset({"EXTENDED_SYS_STATE"})),)),
-    Case("ODOMETRY never heard", End.REFUSED, "ODOMETRY", events=(down(messages=ODOMETRY),)),
+    Case("ODOMETRY never heard", End.REFUSED, "ODOMETRY", levels=BEFORE_FLIGHT, events=(down(messages=ODOMETRY),)),
     Case("ODOMETRY silent", End.HELD, "no state", phase=Phase.FOLLOW, within=0.5, events=(down(2.0, messages=ODOMETRY),)),
 )  # fmt: skip
 

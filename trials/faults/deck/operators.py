@@ -5,7 +5,7 @@ from __future__ import annotations
 from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.phases import Phase
 from companion.world.events import Event, LinkCut, Order, Sticks, When
-from trials.faults.case import Begin, Case, End, at, levels_of
+from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End, at, levels_of
 from trials.faults.deck.links import STATUS, down, up
 
 Place = tuple[Phase, float, Begin, Finish]
@@ -81,9 +81,9 @@ HALF_A_LINK = (
 )  # fmt: skip
 
 BEFORE = (
-    Case("in Land when the companion comes", End.REFUSED, "Land", events=(at(0.0, Order.LAND),), watched_for=25.0),
-    Case("in Return when the companion comes", End.REFUSED, "Return", events=(at(0.0, Order.RETURN),)),
-    Case("in Mission, armed by another, when the companion comes", End.REFUSED, begin=Begin.ON_THE_GROUND,
+    Case("in Land when the companion comes", End.REFUSED, "Land", levels=BEFORE_FLIGHT, events=(at(0.0, Order.LAND),), watched_for=25.0),
+    Case("in Return when the companion comes", End.REFUSED, "Return", levels=BEFORE_FLIGHT, events=(at(0.0, Order.RETURN),)),
+    Case("in Mission, armed by another, when the companion comes", End.REFUSED, begin=Begin.ON_THE_GROUND, levels=BEFORE_FLIGHT,
          events=(at(5.0, Order.TAKE_OFF), at(5.1, Order.ARM)), phase=None, or_end=(End.ENDED,)),
 )  # fmt: skip
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from companion.flight.phases import Phase
 from companion.world.events import Impostor, LinkCut, Order, PortChange, Saying, Stranger, When
-from trials.faults.case import Begin, Case, End
+from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End
 
 BEAT = frozenset({Saying.HEARTBEAT})
 STATE = frozenset({Saying.STATE})
@@ -33,11 +33,11 @@ IN_FLIGHT = tuple(
 )  # fmt: skip
 
 BEFORE = (
-    Case("a second vehicle on another port before the flight", End.REFUSED, "two", begin=Begin.ON_THE_GROUND,
+    Case("a second vehicle on another port before the flight", End.REFUSED, "two", begin=Begin.ON_THE_GROUND, levels=BEFORE_FLIGHT,
          events=(Stranger(When(1.0), 2, says=ALL, armed=False),)),
-    Case("our own ids on another port before the flight", End.REFUSED, "two", begin=Begin.ON_THE_GROUND,
+    Case("our own ids on another port before the flight", End.REFUSED, "two", begin=Begin.ON_THE_GROUND, levels=BEFORE_FLIGHT,
          events=(Stranger(When(1.0), says=ALL, armed=False),)),
-    Case("a second vehicle on the vehicle's port before the flight", End.REFUSED, "two", begin=Begin.ON_THE_GROUND,
+    Case("a second vehicle on the vehicle's port before the flight", End.REFUSED, "two", begin=Begin.ON_THE_GROUND, levels=BEFORE_FLIGHT,
          events=(Stranger(When(1.0), 2, says=BEAT, own_port=False),)),
     Case("a fixed wing on another port before the flight", End.FLOWN, begin=Begin.ON_THE_GROUND, duration=1.0,
          events=(Stranger(When(1.0), 2, type=1, says=BEAT),)),
@@ -45,10 +45,10 @@ BEFORE = (
          events=(Stranger(When(0.0), 9, own_port=False, **COMPANION),)),
     Case("another companion of our system in flight", End.HELD, "another companion", phase=Phase.FOLLOW,
          events=(Stranger(When(1.0), 1, own_port=False, **COMPANION),)),
-    *(Case(f"the vehicle is a {name}", End.REFUSED, name, begin=begin, events=(Impostor(When(0.0), kind),))
+    *(Case(f"the vehicle is a {name}", End.REFUSED, name, begin=begin, levels=BEFORE_FLIGHT, events=(Impostor(When(0.0), kind),))
       for kind, name in ((1, "fixed wing"), (10, "rover"))
       for begin in (Begin.ON_THE_GROUND,)),
-    Case("the vehicle's autopilot is not PX4", End.REFUSED, "PX4", begin=Begin.ON_THE_GROUND,
+    Case("the vehicle's autopilot is not PX4", End.REFUSED, "PX4", begin=Begin.ON_THE_GROUND, levels=BEFORE_FLIGHT,
          events=(Impostor(When(0.0), 2, 3),)),
     Case("heartbeats of a rover in flight", End.FLOWN, phase=Phase.FOLLOW, events=(Impostor(When(1.0), 10),)),
 )  # fmt: skip

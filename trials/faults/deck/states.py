@@ -19,7 +19,7 @@ from companion.world.events import (
     When,
     WrongStamps,
 )
-from trials.faults.case import Begin, Case, End, levels_of
+from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End, levels_of
 
 NOISE = 1e-6
 HUGE = 3e38
@@ -32,7 +32,7 @@ def one(event: type[NotANumber] | type[OffsetState], **values: object) -> Event:
 
 
 STAMPS = (
-    *(Case(f"stamps {told}{', on the ground' if ground else ''}", End.REFUSED, "stamp", begin=begin,
+    *(Case(f"stamps {told}{', on the ground' if ground else ''}", End.REFUSED, "stamp", begin=begin, levels=BEFORE_FLIGHT,
            events=(WrongStamps(When(0.0), stamps),))
       for stamps, told in ((Stamps.ZERO, "always 0"), (Stamps.MILLISECONDS, "in ms"), (Stamps.HUGE, "near 2^64"))
       for begin in (Begin.ON_THE_PATH, Begin.ON_THE_GROUND)
@@ -58,9 +58,10 @@ NUMBERS = (
       for value, told in ((math.nan, "of NaN"), (HUGE, "of 3e38 m"), (math.inf, "that is infinite"))),
     Case("one ODOMETRY of 3e38 m while settling", End.FLOWN, phase=Phase.SETTLE, levels=levels_of(Phase.SETTLE),
          events=(NotANumber(When(0.1, 0.1 + STEP), value=HUGE),)),
-    Case("ODOMETRY in LOCAL_ENU", End.REFUSED, "ODOMETRY.*frame|frame.*ODOMETRY", events=(OdometryFrames(When(0.0), 4, 1),)),
+    Case("ODOMETRY in LOCAL_ENU", End.REFUSED, "ODOMETRY.*frame|frame.*ODOMETRY", levels=BEFORE_FLIGHT,
+         events=(OdometryFrames(When(0.0), 4, 1),)),
     Case("ODOMETRY in LOCAL_ENU, on the ground", End.REFUSED, "ODOMETRY.*frame|frame.*ODOMETRY",
-         begin=Begin.ON_THE_GROUND, events=(OdometryFrames(When(0.0), 4, 1),)),
+         begin=Begin.ON_THE_GROUND, levels=BEFORE_FLIGHT, events=(OdometryFrames(When(0.0), 4, 1),)),
     Case("ODOMETRY in LOCAL_ENU from the middle of the path on", End.HELD, phase=Phase.FOLLOW, within=0.5,
          events=(OdometryFrames(When(2.0), 4, 1),)),
     Case("the position falls silent", End.HELD, phase=Phase.FOLLOW, within=0.5,
