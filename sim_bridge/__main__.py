@@ -22,6 +22,7 @@ from companion.config.world.world import home_from, load_world, start_from
 from companion.plain_text import printable, printable_lines
 from companion.vehicle import CompanionError, Vehicle
 from companion.world import Start, World
+from sim_bridge.autopilot.logger.logger import Logger
 from sim_bridge.autopilot.xrce import Release
 from sim_bridge.bridge import Bridge
 from sim_bridge.server import (
@@ -164,10 +165,16 @@ def _prepared(
     if speed > 1.0:
         bridge.autopilot.parameters.hurry(speed)
     record = None if truth is None else stack.enter_context(TruthFile(truth))
-    after = None if record is None else lambda: record.append(bridge.truth, bridge.autopilot.commands)
+    log = Logger(bridge.autopilot)
+
+    def after_step() -> None:
+        log.step()
+        if record is not None:
+            record.append(bridge.truth, bridge.autopilot.commands)
+
     mixing = "motor commands taken" if bridge.direct else "motors mixed as in PX4"
     say(f"{vehicle.name} in {world.name}, {round(1.0 / bridge.step_s)} steps a second, {mixing}")
-    server = Server(bridge, endpoints, agent=agent, speed=speed, log=say, after_step=after)
+    server = Server(bridge, endpoints, agent=agent, speed=speed, log=say, after_step=after_step)
     stack.callback(server.close)
     return bridge, server
 

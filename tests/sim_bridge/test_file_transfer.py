@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from sim_bridge.autopilot.logger.logger import Logger
 from sim_bridge.autopilot.mavlink.file_link import DATA, HEADER, Fault, Op
 from tests.support.plant_client import ACCEPTED, Client
 
@@ -70,6 +71,27 @@ def test_directories() -> None:
     assert reader.ask(Op.LIST, b"/")[0][:2] == (Op.ACK, b"Detc\0Dlog\0")
     assert b"Fcomponent_general.json.xz\t" in reader.ask(Op.LIST, b"/etc/extras")[0][1]
     assert reader.ask(Op.LIST, b"/log")[0][:2] == (Op.NAK, bytes([Fault.END]))
+
+
+def test_the_vehicles_own_log_is_there_after_a_flight() -> None:
+    reader = Reader()
+    logger = Logger(reader.client.bridge.autopilot)
+    for _ in range(250):  # --hover: armed from the start
+        reader.client.step()
+        logger.step()
+    assert reader.ask(Op.LIST, b"/log")[0][:2] == (Op.ACK, b"D2026-01-01\0")
+    ((_, listed, _),) = reader.ask(Op.LIST, b"/log/2026-01-01")
+    name, size = listed[1:].rstrip(b"\0").split(b"\t")
+    reader.client.bridge.autopilot.commander.armed = False
+    logger.step()
+    reader.client.step()
+    logger.step()
+    ((_, told, _),) = reader.ask(Op.OPEN_READ, b"/log/2026-01-01/" + name)
+    assert struct.unpack("<I", told) == (int(size),)
+    ((_, head, _),) = reader.ask(Op.READ, bytes(DATA))
+    assert head.startswith(b"ULog\x01\x12\x35\x01") and b"float[3] xyz" in head
+    rows = 50 * (8 + 8 + 12 + 5)
+    assert rows < int(size) < 8 * rows
 
 
 @pytest.mark.parametrize(

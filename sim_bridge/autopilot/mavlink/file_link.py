@@ -1,4 +1,4 @@
-"""MAVLink FTP on one link: reading what files.py offers. Nothing can be written.
+"""MAVLink FTP on one link: reading what files.py offers, and the vehicle's own logs. Nothing can be written.
 
 Payload: sequence (2), session, opcode, size, request opcode, burst complete, padding, offset (4), data (239).
 """
@@ -8,7 +8,8 @@ from __future__ import annotations
 import enum
 import struct
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import PurePosixPath
 
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value, message
@@ -64,11 +65,14 @@ WRITES = {
 
 
 class FileLink:
-    """One link's side, of the vehicle with system id ``system``. One file is open at a time, as in PX4."""
+    """One link's side, of the vehicle with system id ``system``. One file is open at a time, as in PX4. ``logs``: path
+    -> what has been written of it until now."""
 
-    def __init__(self, system: int, send: Callable[[Format, tuple[Value, ...]], None]) -> None:
-        self._system, self._send = system, send
-        self._open: bytes | None = None
+    def __init__(
+        self, system: int, logs: Mapping[str, bytearray], send: Callable[[Format, tuple[Value, ...]], None]
+    ) -> None:
+        self._system, self._logs, self._send = system, logs, send
+        self._open: bytes | bytearray | None = None
         self._last: tuple[bytes, tuple[Value, ...]] | None = None
 
     def request(self, frame: Frame) -> None:
@@ -100,11 +104,12 @@ class FileLink:
             self._open = None if code == Op.RESET else self._open
             return b""
         if code == Op.LIST:
-            return _listed(path, offset)
+            sizes = {name: len(file.data) for name, file in FILES.items()}
+            return _listed(path, offset, sizes | {name: len(data) for name, data in self._logs.items()})
         if code in (Op.OPEN_READ, Op.CHECKSUM):
-            if path not in FILES:
+            content = self._logs.get(path) if path in self._logs else FILES[path].data if path in FILES else None
+            if content is None:
                 return Fault.NOT_FOUND
-            content = FILES[path].data
             if code == Op.CHECKSUM:
                 return struct.pack("<I", zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF)
             if self._open is not None:
@@ -117,7 +122,7 @@ class FileLink:
             if code == Op.TERMINATE:
                 self._open = None
                 return b""
-            return self._open[offset : offset + min(size or DATA, DATA)] or Fault.END
+            return bytes(self._open[offset : offset + min(size or DATA, DATA)]) or Fault.END
         return Fault.PROTECTED if code in WRITES else Fault.UNKNOWN
 
     def _burst(self, to: tuple[int, int], asked: bytes, sequence: int, session: int, offset: int, size: int) -> None:
@@ -125,7 +130,7 @@ class FileLink:
             self._answer(to, asked, sequence, session, Op.BURST_READ, offset, Fault.INVALID_SESSION)
             return
         for number in range(BURST):
-            part = self._open[offset : offset + min(size, DATA)]
+            part = bytes(self._open[offset : offset + min(size, DATA)])
             last = number == BURST - 1 and bool(part)
             self._answer(to, asked, sequence + number, session, Op.BURST_READ, offset, part or Fault.END, last)
             if not part:
@@ -147,19 +152,24 @@ class FileLink:
         self._send(FTP, values)
 
 
-def _listed(path: str, offset: int) -> bytes | Fault:
-    """The entries of a directory from number ``offset`` on, as many as fit."""
-    if path not in DIRECTORIES:
+def _listed(path: str, offset: int, sizes: Mapping[str, int]) -> bytes | Fault:
+    """The entries of a directory from number ``offset`` on, as many as fit. ``sizes``: path -> bytes of every file."""
+    folders = DIRECTORIES | {str(folder) for name in sizes for folder in PurePosixPath(name).parents} - {"."}
+    if path not in folders:
         return Fault.NOT_FOUND
     under = f"{path}/" if path else ""
-    names = sorted(d for d in DIRECTORIES if d and d.startswith(under) and "/" not in d[len(under) :])
-    entries = [f"D{name[len(under) :]}\0".encode() for name in names if name != path]
-    for name in sorted(FILES):
-        if name.startswith(under) and "/" not in name[len(under) :]:
-            entries.append(f"F{name[len(under) :]}\t{len(FILES[name].data)}\0".encode())
+    entries = [f"D{name[len(under) :]}\0".encode() for name in sorted(folders) if _lies_in(name, under)]
+    entries += [
+        f"F{name[len(under) :]}\t{size}\0".encode() for name, size in sorted(sizes.items()) if _lies_in(name, under)
+    ]
     found = b""
     for entry in entries[offset:]:
         if len(found) + len(entry) > DATA:
             break
         found += entry
     return found or Fault.END
+
+
+def _lies_in(name: str, under: str) -> bool:
+    rest = name.removeprefix(under)
+    return name.startswith(under) and rest != "" and "/" not in rest

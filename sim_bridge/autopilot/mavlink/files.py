@@ -1,4 +1,4 @@
-"""The files the vehicle offers: the description of itself that ground stations look for. Everything else is empty."""
+"""The files that every vehicle offers: the description of itself that ground stations look for."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ GENERAL_METADATA_URI = f"mftp://{GENERAL_METADATA_PATH}"
 PARAMETERS_PATH = "etc/extras/parameters.json.xz"
 EVENTS_PATH = "etc/extras/all_events.json.xz"
 DIRECTORIES = frozenset({"", "etc", "etc/extras", "log"})
+"""Folders that are there without a file in them."""
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,7 @@ class Link:
             _TIMESYNC.id: self._timesync,
             MANUAL_CONTROL.id: self._manual_control,
             SETUP_SIGNING.id: self._setup_signing,
-            file_link.FTP.id: FileLink(SYSTEM, self.emit).request,
+            file_link.FTP.id: FileLink(SYSTEM, autopilot.log_files, self.emit).request,
             events.REQUEST.id: self._events.requested,
             parameter_link.READ.id: self._parameters.read,
             parameter_link.LIST.id: self._parameters.list,
