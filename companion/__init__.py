@@ -36,6 +36,7 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     px4_allocation  the same as PX4 does it                          thrust_range  the bounds of the thrust
     steering     state -> setpoint, one file an output level         flight      phases, guards: the state machine
     plan         a mission made ready to fly                         pilot       one tick
+    settings     gains and limits that a ground station may set
     world        what a simulated world is                           mavlink     the wire
     config       files people write -> values                        xrce        PX4's topics, to its XRCE client
     daemon       the only sockets and clocks                         record      the evidence, and what is made of it

@@ -83,7 +83,7 @@ def prepared(
     speeds = [placed.alpha(table.length * i / SPEED_SAMPLES) for i in range(SPEED_SAMPLES)]
     direction = 1.0 if speeds[0] > 0.0 else -1.0
     usual = default_gains(law_level(level))
-    gains = placed.gains if placed.gains is not None else _auto_gains(vehicle, level, tuning, learned)
+    gains = gains_of(placed, vehicle, level, tuning, learned)
     bounds = None if vehicle.limits is None else Bounds()
     law: Law
     if isinstance(placed.path, ImplicitPath):
@@ -119,7 +119,10 @@ def prepared(
     )
 
 
-def _auto_gains(vehicle: Vehicle, level: OutputLevel, tuning: Tuning, learned: Learned | None) -> Gains:
+def gains_of(mission: Mission, vehicle: Vehicle, level: OutputLevel, tuning: Tuning, learned: Learned | None) -> Gains:
+    """The mission's gains; where it writes none, those that are chosen for the vehicle."""
+    if mission.gains is not None:
+        return mission.gains
     lag = vehicle.rate_loop_lag if learned is None else learned.rate_lag
     if level is OutputLevel.ATTITUDE:
         lag += as_attitude(tuning).smoothing

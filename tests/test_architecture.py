@@ -34,14 +34,17 @@ MAY_IMPORT: dict[str, str] = {
     "identification": "plain_text frames vehicle",
     "flight": "vehicle fence",
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
+    "settings": "law plan",
     "pilot": "frames vehicle law paths mission steering flight plan",
     "mavlink": "frames vehicle plain_text mavlink_common",
     "xrce": "vehicle",
     # mavlink: world files name messages
     "config": "plain_text mavlink_common frames fence geodesy plans calculus vehicle world paths profiles law mission "
     "mavlink",
-    "record": "frames geodesy vehicle world paths law mission estimation steering feasibility plan flight pilot mavlink config",
-    "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan pilot mavlink xrce "
+    "record": "frames geodesy vehicle world paths law mission estimation steering feasibility plan settings flight pilot mavlink "
+    "config",
+    "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan settings pilot mavlink "
+    "xrce "
     "record",
     "services": "frames fence geodesy mavlink_common vehicle flight places plans",
     "library": "frames geodesy calculus vehicle world paths law mission places allocation px4_allocation feasibility flight plan pilot "

@@ -232,19 +232,11 @@ class Conductor:
             return
         clock = self.link.clock
         clock.may_restart = self.memory.phase in NOT_FLYING
+        self.plan = self.ground.retuned(self.plan, now, self._recorder, may=self.memory.phase in NOT_FLYING)
         seen = Observation(
-            state,
-            self.telemetry.status,
-            answer,
-            self._stop,
-            self.link.round_trip,
-            self._states.rate,
-            behind,
-            self.link.companions(now),
-            self.ground.speed_scale,
-            self._late if state is not None else 0.0,
-            clock.pace,
-        )
+            state, self.telemetry.status, answer, self._stop, self.link.round_trip, self._states.rate, behind,
+            self.link.companions(now), self.ground.speed_scale, self._late if state is not None else 0.0, clock.pace,
+        )  # fmt: skip
         before = self.memory
         self.memory, early = pilot.compute_setpoint(self.plan, before, seen, now)
         self._half = Half(seen, early, now, before)
@@ -288,6 +280,7 @@ class Conductor:
         if self.plan is None:
             return
         self.memory = pilot.begin(now)
+        self.ground.offer(self.plan)
         if self._recorder is not None:
             self._recorder.begin(self.plan, now)
         origin, identity = self.telemetry.origin, self.link.identity

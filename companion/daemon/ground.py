@@ -1,4 +1,4 @@
-"""The companion as the ground station knows it: words, errors, a factor on the speed, the curve on the map."""
+"""The companion as the ground station knows it: words, errors, its parameters, the curve on the map."""
 
 from __future__ import annotations
 
@@ -17,8 +17,12 @@ from companion.mavlink.upload import Place, Upload
 from companion.mavlink_common import MAV_COMP_ID_ONBOARD_COMPUTER, MavSeverity
 from companion.pilot import Memory, Outcome, yaw_error
 from companion.plan import Plan
+from companion.record.folder import Recorder
+from companion.settings import settings_of, with_settings
+from companion.vehicle import CompanionError
 
 SPEED_SCALE = "PF_SPEED_SCALE"
+SAFE_WHEN = "it can be set only while the vehicle does not fly on our setpoints"
 POINTS = 60
 """Waypoints of a drawn curve."""
 WANTED = OWN_WANTED | UPLOAD_WANTED
@@ -35,6 +39,7 @@ class GroundSide:
         self._announcer = Announcer(send)
         self._own = OwnParameters(send, MAV_COMP_ID_ONBOARD_COMPUTER, {SPEED_SCALE: Own(1.0, 0.0, speed_scale_max)})
         self._upload: Upload | None = None
+        self._applied: dict[str, float] = {}  # what the plan has, under the names of its settings
 
     @property
     def speed_scale(self) -> float:
@@ -53,6 +58,32 @@ class GroundSide:
             self._upload.receive(frame, now)
             if self._upload.outcome is not None and before is None:
                 self._note(self._upload.outcome)
+
+    def offer(self, plan: Plan) -> None:
+        """Show the plan's gains and limits among the parameters."""
+        for name, setting in settings_of(plan).items():
+            self._own.named[name] = Own(*setting)
+            self._applied[name] = setting.value
+
+    def retuned(self, plan: Plan, now: float, recorder: Recorder | None, *, may: bool) -> Plan:
+        """The plan with the gains and limits that were set since, where the vehicle does not fly on our setpoints
+        (``may``); else nothing of it can be set."""
+        self._own.locked = (frozenset() if may else frozenset(self._applied), SAFE_WHEN)
+        changed = {name: self._own.named[name].value for name, value in self._applied.items()
+                   if self._own.named[name].value != value}  # fmt: skip
+        if not may or not changed:
+            return plan
+        try:
+            plan = with_settings(plan, changed)
+        except CompanionError as error:
+            for name in changed:
+                self._own.named[name].value = self._applied[name]
+            self._note(f"{', '.join(changed)} not taken: {error}")
+            return plan
+        self._applied |= changed
+        if recorder is not None:
+            recorder.retuned(changed, now)
+        return plan
 
     def draw(self, plan: Plan, frame: LocalFrame, system: int) -> None:
         """Put the curve on the ground station's map."""

@@ -32,11 +32,13 @@ class Own:
 
 @dataclass
 class OwnParameters:
-    """What component ``component`` offers under ``names`` (16 characters at most). ``send`` queues a message."""
+    """What component ``component`` offers under ``names`` (16 characters at most). ``send`` queues a message.
+    ``locked``: the names that may not be set now, and why."""
 
     send: Callable[[Format, tuple[Value, ...]], None]
     component: int
     named: dict[str, Own] = field(default_factory=dict)
+    locked: tuple[frozenset[str], str] = (frozenset(), "")
 
     def receive(self, frame: Frame, system: int) -> str | None:
         """Answer a frame that is meant for us, ``system`` being our vehicle's. A line for people where one was set."""
@@ -57,8 +59,12 @@ class OwnParameters:
             return None
         note = None
         if frame.format is SET and math.isfinite(told["param_value"]):
-            own.value = min(max(told["param_value"], own.low), own.high)
-            note = f"{name} set to {own.value:g} by the ground station"
+            names, why = self.locked
+            if name in names:
+                note = f"{name} stays {own.value:g}: {why}"
+            else:
+                own.value = min(max(told["param_value"], own.low), own.high)
+                note = f"{name} set to {own.value:g} by the ground station"
         self._tell(name)
         return note
 

@@ -81,6 +81,7 @@ class Recorder:
     _tlog: TlogWriter = field(init=False)
     _notes: GrowingFile = field(init=False)
     _table: TableWriter | None = field(init=False, default=None)
+    _resolution: dict[str, Any] = field(init=False, default_factory=dict)
     _resolved: str | None = field(init=False, default=None)
     _failing: bool = field(init=False, default=False)
     _unrecorded: int = field(init=False, default=0)
@@ -124,8 +125,13 @@ class Recorder:
     def begin(self, plan: Plan, now: float) -> None:
         """The plan is ready and the pilot begins."""
         self._table = TableWriter(self.directory / "flight.npy", rows.COLUMNS)
-        resolved = resolution(plan, self.mission.name, self.vehicle.name, now, self.epoch, self.simulation)
-        self._resolved = json.dumps(resolved, indent=2) + "\n"
+        self._resolution = resolution(plan, self.mission.name, self.vehicle.name, now, self.epoch, self.simulation)
+        self._resolved = json.dumps(self._resolution, indent=2) + "\n"
+
+    def retuned(self, changed: dict[str, float], now: float) -> None:
+        """Settings of the plan were changed, for the ticks from ``now`` on."""
+        self._resolution["settings"].append({"at": now, "set": changed})
+        self._resolved = json.dumps(self._resolution, indent=2) + "\n"
 
     def tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
         """One tick of the pilot."""
@@ -248,9 +254,10 @@ class Recorder:
             sync_directory(self.directory)
 
     def _write_resolved(self) -> None:
-        if self._resolved is not None:
-            write_whole(self._place.mine("resolved.json"), self._resolved)
-            self._resolved = None
+        text = self._resolved
+        if text is not None:
+            write_whole(self._place.mine("resolved.json"), text)
+            self._resolved = None if self._resolved is text else self._resolved
 
     def _look_for_folder(self) -> None:
         if not self._gone and self._tlog.is_gone:

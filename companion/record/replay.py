@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,18 +21,30 @@ from companion.geodesy import HomeTold
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
 from companion.record.table import Table, read_table
+from companion.settings import with_settings
 from companion.vehicle import MotorInterface, OutputLevel, Tuning
 
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """A flight folder, read again. ``cuts``: in words, which of its files end before their flight did."""
+    """A flight folder, read again. ``plan``: as it was at the end; ``plans``: from which time (s) on which was flown.
+    ``cuts``: in words, which of its files end before their flight did."""
 
     plan: Plan
     table: Table
     truth: Table | None
     begun_at: float
     cuts: tuple[str, ...] = ()
+    plans: tuple[tuple[float, Plan], ...] = ()
+
+    def plan_at(self, now: float) -> Plan:
+        """The plan that a tick at ``now`` was flown with."""
+        plan = self.plan
+        for since, each in self.plans:
+            if now < since:
+                break
+            plan = each
+        return plan
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +69,7 @@ def load_flight(directory: Path) -> Recorded:
         begun_at = float(resolved["begun_at"])
         tuning = Tuning(**resolved["tuning"])
         conduct = from_dict(resolved["conduct"])
+        settings = [(float(each["at"]), dict(each["set"])) for each in resolved.get("settings", ())]
         learned = None if resolved.get("learned") is None else Learned(**resolved["learned"])
         reading = directory / "mission.yaml"
         mission = _document(reading)
@@ -78,7 +92,10 @@ def load_flight(directory: Path) -> Recorded:
     flown = flyable(read, machine).placed((x, y, z), turn)
     plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning, conduct, learned)
     cuts = tuple(words for words in (cut, truth_cut) if words is not None)
-    return Recorded(plan, table, truth, begun_at, cuts)
+    plans = [(-math.inf, plan)]
+    for at, changed in settings:
+        plans.append((at, with_settings(plans[-1][1], changed)))
+    return Recorded(plans[-1][1], table, truth, begun_at, cuts, tuple(plans))
 
 
 def replay(flight: Recorded) -> Replayed:
@@ -99,7 +116,7 @@ def replay(flight: Recorded) -> Replayed:
     recorded = flight.table[names]
     for index, row in enumerate(flight.table):
         seen, now = rows.seen_again(row)
-        memory, outcome = pilot.step(flight.plan, memory, seen, now)
+        memory, outcome = pilot.step(flight.plan_at(now), memory, seen, now)
         again = np.array([rows.done_part(memory, outcome)], dtype=rows.DONE_DTYPE)
         setpoints += outcome.setpoint is not None
         if again[0].tobytes() != np.array([tuple(recorded[index])], dtype=rows.DONE_DTYPE).tobytes():

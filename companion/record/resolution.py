@@ -33,6 +33,7 @@ def resolution(
         "tuning": plan.tuning._asdict(),
         "conduct": to_dict(plan.conduct),
         "learned": None if plan.learned is None else plan.learned._asdict(),
+        "settings": [],
         "begun_at": now,
         "epoch": epoch,
         "path_length_m": plan.table.length,

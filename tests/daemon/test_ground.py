@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
-from companion.flight.conduct import Conduct
+import pytest
+
+from companion.flight.conduct import Conduct, ControlAuthority
 from companion.mavlink.announcing import SAME_AGAIN, TEXT_PERIOD, WAITING_MAX, Announcer
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.own_parameters import Own, OwnParameters
 from companion.mavlink.upload import Place, Upload
 from companion.pilot import completed
+from companion.record.replay import load_flight, replay
 from companion.vehicle import OutputLevel
 from tests.support.flights import GROUND_STATION, Flown, Operator, flight
 
@@ -150,6 +154,40 @@ def test_seen_and_slowed_from_the_ground() -> None:
     assert 4.0 < len(numbers) / 3.0 / 17.0 < 6.0
     assert any(f.format.name == "HEARTBEAT" for f in ours)
     assert any(f.format.name == "PARAM_VALUE" for f in ours)
+
+
+def test_gains_and_limits_are_set_where_nothing_flies_on_them_and_replayed(tmp_path: Path) -> None:
+    """While the pilot flies they are taken, within their ranges; in the middle of the path they stay as they are."""
+    wanted = {2.0: ("PF_POLE_PATH", 4.0), 2.1: ("PF_TUBE", 3.0), 2.2: ("PF_FLOOR", 99.0), 7.0: ("PF_POLE_PATH", 3.0),
+              10.5: ("PF_POLE_YAW", 2.0)}  # fmt: skip
+    modes = {3.0: (6, 0), 10.0: (4, 3), 11.0: (6, 0)}
+
+    def operate(flown: Flown, now: float) -> None:
+        operator = Operator(flown.between.bridge)
+        for at, (name, value) in wanted.items():
+            if math.isclose(now, at, abs_tol=1e-6):
+                operator.says("PARAM_SET", target_system=1, target_component=191, param_id=name, param_value=value,
+                              param_type=9)  # fmt: skip
+        for at, mode in modes.items():
+            if math.isclose(now, at, abs_tol=1e-6):
+                operator.commands(176, 1.0, *mode)
+        if math.isclose(now, 15.0, abs_tol=1e-6):
+            flown.conductor.stop()
+
+    flown = flight(
+        level=OutputLevel.RATES, duration=None, conduct=Conduct(ControlAuthority.PILOT), meddle=operate,
+        record=tmp_path / "flown",
+    )  # fmt: skip
+    plan = flown.conductor.plan
+    assert plan is not None and plan.mission.gains is not None
+    assert plan.mission.gains.h1 == pytest.approx((64.0, 48.0, 12.0)) and plan.mission.gains.h4 == pytest.approx((2.0,))
+    limits = plan.conduct.limits
+    assert limits.tube == 3.0 and limits.floor is not None and limits.floor < 10.0
+    assert any(note.startswith("PF_POLE_PATH stays 4: it can be set only while") for note in flown.notes)
+    assert any(error < 0.05 for now, error in flown.path_errors if 13.0 < now < 15.0)
+    read = load_flight(tmp_path / "flown")
+    assert [since for since, _ in read.plans[1:]] == pytest.approx([2.0, 2.1, 2.2, 10.5], abs=0.05)
+    assert replay(read).difference is None
 
 
 def test_the_curve_is_drawn_on_the_map() -> None:
