@@ -19,6 +19,7 @@ from companion.cli.options import (
     Draw,
     DryRun,
     Duration,
+    FetchLog,
     Finishes,
     Floor,
     Forward,
@@ -195,6 +196,7 @@ def fly(
     forward: Forward = None,
     xrce: Xrce = None,
     accept_direct_motors: AcceptDirectMotors = False,
+    fetch_log: FetchLog = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -217,20 +219,19 @@ def fly(
     faults.collect(lambda: check_record(record))
     key = None if signing_key is None else faults.collect(lambda: read_key(signing_key))
     shared = faults.collect(lambda: tuple(map(parsed_endpoint, forward or ()))) or ()
+    log = faults.collect(lambda: flying.log_address(connect, signed=signing_key is not None)) if fetch_log else None
     faults.raise_any()
     assert sortie is not None and open_port is not None
     sortie, found = _looked_at_to_fly(sortie, accept_infeasible, json)
     conduct = Conduct(
-        authority=flying.authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
-        finish=Finish.AS_BEGUN if finish is None else Finish(finish.value),
-        limits=Limits(tube, floor, ceiling),
+        flying.authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
+        Finish.AS_BEGUN if finish is None else Finish(finish.value), Limits(tube=tube, floor=floor, ceiling=ceiling),
         speed_scale_max=flying.most_speed_scale(found.speed_scale_max),
-    )
-    agent = None if open_xrce is None else open_xrce(sortie, accept_direct_motors)
+    )  # fmt: skip
     raise typer.Exit(flying.fly(flying.Flight(
         sortie, record or new_directory(sortie.mission.name), duration, Ending(json, settle, report), set_parameters,
-        conduct, draw, accept_infeasible, key, shared,
-    ), open_port(), agent))  # fmt: skip
+        conduct, draw, accept_infeasible, key, shared, log,
+    ), open_port(), None if open_xrce is None else open_xrce(sortie, accept_direct_motors)))  # fmt: skip
 
 
 @app.command()

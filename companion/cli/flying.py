@@ -5,13 +5,16 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from companion.cli.around import begin_record, exit_code_of, listen_to
 from companion.cli.finish import Ended, Ending, finish
 from companion.cli.output import WhoStarts
+from companion.cli.page import write_page
 from companion.cli.terminal import say
+from companion.cli.vehicle_log import fetch_and_join
+from companion.config.syntax.faults import ConfigError, Fault
 from companion.daemon.beside import parsed
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.forwarding import Endpoint
@@ -45,7 +48,8 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Flight:
-    """One flight on a vehicle. ``key``: what the link is signed with. ``forward``: who shares it."""
+    """One flight on a vehicle. ``key``: what the link is signed with. ``forward``: who shares it.
+    ``log_from``: the address that the vehicle's own log is fetched from afterwards."""
 
     sortie: Sortie
     directory: Path
@@ -57,6 +61,7 @@ class Flight:
     accept_infeasible: bool = False
     key: bytes | None = field(default=None, repr=False)
     forward: tuple[Endpoint, ...] = ()
+    log_from: str | None = None
 
 
 def most_speed_scale(feasible: float) -> float:
@@ -97,8 +102,17 @@ def xrce_port(url: str) -> Callable[[Sortie, bool], Port]:
     return opened
 
 
+def log_address(url: str, *, signed: bool) -> str:
+    """Where the vehicle's own log is fetched from after the flight. ConfigError: not over a signed link."""
+    if signed:
+        message = "does not go with --signing-key: MAVLink FTP is not signed here; take the log from the vehicle's card"
+        raise ConfigError([Fault("--fetch-log", 0, "", message)])
+    return url
+
+
 def fly(flight: Flight, port: Port, xrce: Port | None = None) -> int:
     """Fly; the exit code. ``xrce``: where PX4's XRCE client is served."""
+    report = flight.ending.report
     with contextlib.ExitStack() as stack:
         stack.enter_context(contextlib.closing(port))
         if xrce is not None:
@@ -113,7 +127,15 @@ def fly(flight: Flight, port: Port, xrce: Port | None = None) -> int:
                 "there can pose as the vehicle; listen on 127.0.0.1, or sign (companion vehicle sign)"
             )
         recorder = begin_record(flight.directory, flight.sortie, time.time() - clock())
-        return exit_code_of(lambda: _flown(flight, port, recorder, signals, signing, xrce), recorder, flight.ending)
+        # the page is drawn once, with the log
+        ending = flight.ending if flight.log_from is None else replace(flight.ending, report=False)
+        flight = replace(flight, ending=ending)
+        code = exit_code_of(lambda: _flown(flight, port, recorder, signals, signing, xrce), recorder, ending)
+    if flight.log_from is not None and (flight.directory / "flight.npy").is_file():
+        fetch_and_join(flight.log_from, flight.directory)
+        if report:
+            write_page(flight.directory)
+    return code
 
 
 def _flown(

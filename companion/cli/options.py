@@ -125,6 +125,10 @@ Forward = Annotated[
         show_default="nobody",
     ),
 ]
+FetchLog = Annotated[
+    bool,
+    typer.Option("--fetch-log", help="After landing, fetch the vehicle's own log (ULog) into the flight folder."),
+]
 Quiet = Annotated[
     bool,
     typer.Option("--quiet", "-q", callback=be_quiet, help="Say only warnings, faults and the result."),

@@ -65,6 +65,10 @@ def export_flight(
         bool, typer.Option("--csv", help="Write tables that a spreadsheet opens, and their legend.")
     ] = False,
     mcap: Annotated[bool, typer.Option("--mcap", help="Write flight.mcap, for Foxglove and PlotJuggler.")] = False,
+    ulog_join: Annotated[
+        Path | None,
+        typer.Option("--ulog-join", metavar="FILE.ulg", help="Lay the vehicle's own log beside ours, by time."),
+    ] = None,
     to: Annotated[
         Path | None,
         typer.Option("--to", metavar="FOLDER", help="Where to write.", show_default="the flight folder"),
@@ -74,7 +78,7 @@ def export_flight(
     """Write a recorded flight as files that other programs open."""
     from companion.cli.export_flight import export_flight as write
 
-    write(directory, to, csv=csv, mcap=mcap, force=force)
+    write(directory, to, csv=csv, mcap=mcap, force=force, ulog=ulog_join)
 
 
 def register(app: typer.Typer) -> None:

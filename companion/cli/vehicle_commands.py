@@ -10,7 +10,9 @@ import typer
 
 from companion.cli.options import Connect, Json, complete_vehicle
 
-vehicle = typer.Typer(no_args_is_help=True, help="A vehicle itself: its file from what is known, its signing key.")
+vehicle = typer.Typer(
+    no_args_is_help=True, help="A vehicle itself: its file from what is known, its signing key, its log."
+)
 
 Force = Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")]
 Mass = Annotated[
@@ -142,6 +144,30 @@ def sign(
     took = "signs with this key already" if setup.already else "has taken the key and signs"
     tell(f"the vehicle {took}; every command needs it from now on: --signing-key {signing_key}")
     raise typer.Exit(COMPLETED)
+
+
+@vehicle.command()
+def log(
+    connect: Connect,
+    to: Annotated[Path, typer.Option("--to", metavar="FOLDER", help="Where to put it.")] = Path(),
+) -> None:
+    """Fetch the vehicle's own log (ULog) of its last flight, once it is disarmed."""
+    from companion.cli.finish import FAILED, NO_VEHICLE
+    from companion.cli.terminal import say, tell
+    from companion.cli.vehicle_log import fetched
+    from companion.config.syntax.faults import ConfigError, Fault
+    from companion.daemon.address import parsed
+    from companion.services.vehicle import NoVehicleHeardError, ServiceError
+
+    parsed(connect)
+    if not to.is_dir():
+        raise ConfigError([Fault("--to", 0, "", f"{to}: no such folder")])
+    try:
+        file = fetched(connect, to)
+    except ServiceError as error:
+        say(str(error))
+        raise typer.Exit(NO_VEHICLE if isinstance(error, NoVehicleHeardError) else FAILED) from None
+    tell(f"{file}\nbeside a flight of ours: companion export-flight DIR --ulog-join {file}")
 
 
 def register(app: typer.Typer) -> None:

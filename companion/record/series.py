@@ -35,13 +35,14 @@ def followed_series(table: Table) -> dict[str, Array]:
     columns["since"] = t_boot - t_boot[begins][np.cumsum(begins) - 1]
     columns["speed"] = columns["speed"] * np.where(columns["ramp"] < 0.0, -1.0, 1.0)
     columns["speed_error"] = columns["speed"] - columns["alpha"]
-    columns["roll"] = np.arctan2(
-        2.0 * (columns["q_w"] * columns["q_x"] + columns["q_y"] * columns["q_z"]),
-        1.0 - 2.0 * (columns["q_x"] ** 2 + columns["q_y"] ** 2),
-    )
-    sine = 2.0 * (columns["q_w"] * columns["q_y"] - columns["q_z"] * columns["q_x"])
-    columns["pitch"] = np.arcsin(np.clip(sine, -1.0, 1.0))
+    columns["roll"], columns["pitch"] = roll_pitch(*(columns[f"q_{axis}"] for axis in "wxyz"))
     return columns
+
+
+def roll_pitch(w: Array, x: Array, y: Array, z: Array) -> tuple[Array, Array]:
+    """rad, of attitudes body FRD to world NED."""
+    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    return roll, np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
 
 
 def stretches(table: Table) -> Array:

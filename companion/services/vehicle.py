@@ -41,6 +41,10 @@ class ServiceError(CompanionError):
     """The vehicle did not do, or not say, what was asked of it."""
 
 
+class NoVehicleHeardError(ServiceError):
+    """No autopilot was heard."""
+
+
 @dataclass(frozen=True)
 class ConnectedVehicle:
     """One vehicle that was found. ``system``: MAVSDK's."""

@@ -78,8 +78,7 @@ class Autopilot:
         self._step = step
         self.estimate = estimate
         self.truth = truth
-        self.offboard_flown = False
-        self.unix_us_at_boot = UNIX_US_AT_BOOT
+        self.offboard_flown, self.unix_us_at_boot = False, UNIX_US_AT_BOOT
         self.log_files: dict[str, bytearray] = {}  # path -> the vehicle's own log, by the logger
         self.attitude_told: tuple[int, Quaternion, float] = (0, (1.0, 0.0, 0.0, 0.0), 0.0)  # by ATTITUDE_TARGET
         self._landing, self._stillness = LandDetector(landed=True), Stillness(self.parameters)

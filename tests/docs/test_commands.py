@@ -83,7 +83,7 @@ def run(line: str) -> None:
     if words[0].startswith("--"):  # an option of the program itself, such as --install-completion
         assert words[0] in CliRunner(env={"COLUMNS": "200"}).invoke(app, ["--help"]).stdout
         return
-    if words[0] in PARSED:
+    if words[0] in PARSED or "--ulog-join" in words:  # no log of a vehicle is at hand here
         parse(words, typer.main.get_command(app))
         return
     assert words[0] in RUN, f"{words[0]}: a new command, is it run or parsed?"

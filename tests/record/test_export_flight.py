@@ -152,7 +152,7 @@ def test_what_is_there_is_kept_and_what_is_no_flight_is_named(folder: Path, tmp_
     again = CliRunner().invoke(app, ["export-flight", str(folder), "--mcap"])
     assert "exists already; --force writes over it" in str(again.exception)
     nothing = CliRunner().invoke(app, ["export-flight", str(folder)])
-    assert "expected --csv or --mcap" in str(nothing.exception)
+    assert "expected --csv, --mcap or --ulog-join" in str(nothing.exception)
     none = CliRunner().invoke(app, ["export-flight", str(tmp_path), "--csv"])
     assert "expected a flight folder" in str(none.exception)
     assert CliRunner().invoke(app, ["export-flight", str(folder), "--csv", "--to", str(tmp_path)]).exit_code == 0

@@ -2,7 +2,7 @@
 
 ``flight.csv`` and ``truth.csv`` have the columns of flight.npy and truth.npy in their order (a column of several
 numbers is numbered from 0); ``path.csv`` the path in the vehicle's local frame; ``columns.csv`` says unit and meaning
-of each. Empty: not said, or not measured.
+of each; ``px4_TOPIC.csv`` what the vehicle logged itself, where that was joined. Empty: not said, or not measured.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 from companion.plan import Plan
 from companion.record import rows
 from companion.record.export.columns import CLOCK_DECIMALS, Array, as_numbers, unit_of
+from companion.record.export.ulog_series import log_tables
 from companion.record.replay import Recorded
 from companion.record.table import Table
+from companion.record.ulog.joined import VehicleLog
 
 CLOCKS = frozenset({"now", "t_boot"})
 PATH_POINTS = 1000
@@ -34,8 +36,8 @@ TRUTH = {
 PATH = {"s": "m, arc length", "north": "m, local frame", "east": "m, local frame", "down": "m, local frame"}
 
 
-def csv_files(flight: Recorded) -> dict[str, str]:
-    """File name -> content."""
+def csv_files(flight: Recorded, log: VehicleLog | None = None) -> dict[str, str]:
+    """File name -> content. ``log``: the vehicle's own, joined."""
     meanings = {column.name: column.meaning for column in rows.COLUMNS}
     files = {"flight.csv": _table(flight.table), "path.csv": _path(flight.plan)}
     legend = [("flight.csv", name, meanings.get(name, "")) for name in flight.table.dtype.names or ()]
@@ -43,6 +45,10 @@ def csv_files(flight: Recorded) -> dict[str, str]:
         files["truth.csv"] = _table(flight.truth)
         legend += [("truth.csv", name, TRUTH.get(name, "")) for name in flight.truth.dtype.names or ()]
     legend += [("path.csv", name, meaning) for name, meaning in PATH.items()]
+    if log is not None:
+        tables, meant = log_tables(flight.table, log)
+        files |= tables
+        legend += meant
     files["columns.csv"] = _legend(legend)
     return files
 

@@ -29,8 +29,10 @@ from companion.record.export.scene import (
     vehicle_scene,
 )
 from companion.record.export.schemas import Field, series_schema, well_known
+from companion.record.export.ulog_series import log_series, our_clock
 from companion.record.replay import Recorded
 from companion.record.table import Table
+from companion.record.ulog.joined import VehicleLog
 from companion.vehicle import CompanionError
 
 POSE_RATE, TRUTH_RATE = 50.0, 25.0
@@ -67,8 +69,9 @@ class Told(NamedTuple):
     about: dict[str, str]
 
 
-def write_mcap(file: Path, flight: Recorded, told: Told) -> int:
-    """Write it; how many messages it has. CompanionError: the library is missing. OSError: it cannot be written."""
+def write_mcap(file: Path, flight: Recorded, told: Told, log: VehicleLog | None = None) -> int:
+    """Write it, with the vehicle's own ``log`` where it was joined; how many messages it has. CompanionError: the
+    library is missing. OSError: it cannot be written."""
     try:
         from mcap.writer import Writer
     except ImportError:
@@ -77,6 +80,8 @@ def write_mcap(file: Path, flight: Recorded, told: Told) -> int:
         ) from None
     channels = [*_poses(flight.table, told.epoch), *_scenes(flight, told.epoch), *_truth(flight, told.epoch)]
     channels += [_numbers(series, told.epoch) for series in series_of(flight.table)]
+    if log is not None:
+        channels += [_numbers(series, told.epoch) for series in log_series(flight.table, log)]
     channels.append(_notes(told))
     order = [Message(t, i, data) for i, channel in enumerate(channels) for t, data in channel.messages]
     order.sort(key=itemgetter(0))
@@ -178,12 +183,11 @@ def _truth(flight: Recorded, epoch: float) -> list[Channel]:
     fresh = flight.table[flight.table["fresh"] == 1]
     if flight.truth is None or len(fresh) < 2:
         return []
-    stamps = fresh["t_boot"]
-    rising = np.concatenate(([True], stamps[1:] > np.maximum.accumulate(stamps)[:-1]))
-    known = (flight.truth["t_boot"] >= stamps[0]) & (flight.truth["t_boot"] <= stamps[rising][-1])
-    rows = flight.truth[known]
-    rows = rows[thinned(rows["t_boot"], TRUTH_RATE)]
-    t = np.interp(rows["t_boot"], stamps[rising], fresh["now"][rising])
+    now = our_clock(flight.table, flight.truth["t_boot"])
+    known = np.isfinite(now)
+    rows, t = flight.truth[known], now[known]
+    shown = thinned(rows["t_boot"], TRUTH_RATE)
+    rows, t = rows[shown], t[shown]
     fields: list[Field] = []
     values: list[Array] = []
     for column, unit, meaning in (("p_n", "m", "north, east, down"), ("v_n", "m/s", "north, east, down"),

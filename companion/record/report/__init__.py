@@ -9,6 +9,7 @@
     errors      figures 3 and 4: G1, G2, G3 over time and along the path
     motion      figures 5 and 6: attitude, thrust and what was sent, as in the paper's Figs. 3 and 4
     estimates   what was estimated of the vehicle
+    vehicle_log PX4's own curves beside ours
     timing      the loop
     figures     the figures in their order, with their captions, as pieces of the page
     zoom        the same figures for plotly.js, to zoom into

@@ -21,6 +21,7 @@ from companion.record.replay import Recorded, load_flight
 from companion.record.series import followed_series, true_series
 from companion.record.summary import summary
 from companion.record.table import Table
+from companion.record.ulog.joined import VehicleLog, kept
 
 Array = NDArray[np.float64]
 Series = dict[str, Array]
@@ -61,6 +62,11 @@ class Evidence:
             return None
         series = true_series(self.plan, self.told, self.truth)
         return series if len(series["t"]) else None
+
+    @cached_property
+    def vehicle_log(self) -> VehicleLog | None:
+        """The vehicle's own log, where it was joined."""
+        return kept(self.directory)
 
     @cached_property
     def happenings(self) -> list[Happening]:
@@ -149,7 +155,7 @@ def _ending(flight: Recorded) -> tuple[str, str | None]:
     memory = pilot.begin(flight.begun_at)
     for row in flight.table:
         seen, now = rows.seen_again(row)
-        memory, _ = pilot.step(flight.plan, memory, seen, now)
+        memory, _ = pilot.step(flight.plan_at(now), memory, seen, now)
     if pilot.completed(memory):
         return "completed", None
     return "aborted", memory.first_fault or "the flight ended before it was finished"

@@ -9,11 +9,12 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
-from companion.record.report import errors, estimates, maps, marks, motion, timing, zoom
+from companion.record.report import errors, estimates, maps, marks, motion, timing, vehicle_log, zoom
 from companion.record.report.evidence import Evidence
 from companion.record.report.page import Picture, Section
 from companion.record.report.style import drawing
 from companion.record.report.text import escaped, happened, worded
+from companion.record.ulog.joined import VehicleLog
 from companion.vehicle import OutputLevel
 
 NOT_FOLLOWED = Section(
@@ -27,6 +28,7 @@ def figures(evidence: Evidence) -> list[Section]:
         if not evidence.followed:
             return [_track(evidence), NOT_FOLLOWED]
         found = [_estimates(evidence)] if estimates.known(evidence) else []
+        found += [] if evidence.vehicle_log is None else [_vehicle_log(evidence, evidence.vehicle_log)]
         return [_track(evidence), _errors(evidence), _motion(evidence), *found, _timing(evidence)]
 
 
@@ -141,6 +143,22 @@ def _estimates(evidence: Evidence) -> Section:
         _picture("surroundings", lambda: estimates.surroundings(evidence), around),
     ]
     return Section("What it learned about the vehicle", words, pictures)
+
+
+def _vehicle_log(evidence: Evidence, log: VehicleLog) -> Section:
+    offset, correlation, overlap = log.alignment
+    words = [
+        f"{log.file}, the vehicle’s ULog, joined by the body rates that both hold: correlation {correlation:.3f} over "
+        f"{worded(overlap)} s, its clock {worded(1e3 * offset)} ms from the stamps of the states."
+    ]
+    pictures = [
+        _picture("px4-estimate", lambda: vehicle_log.estimate(evidence, log.topics),
+                 "PX4’s estimate beside the states that reached us."),
+        _picture("px4-setpoints", lambda: vehicle_log.setpoints(evidence, log.topics),
+                 "What we sent, the setpoint that PX4 flew by, and the body rates that came of it."),
+        _picture("px4-motors", lambda: vehicle_log.motors(evidence, log.topics), "What PX4 told its motors."),
+    ]  # fmt: skip
+    return Section("Beside PX4’s own log", words, pictures)
 
 
 def _timing(evidence: Evidence) -> Section:
