@@ -73,6 +73,26 @@ def test_a_short_leg_between_two_sharp_corners(tmp_path: Path) -> None:
     assert strays(mission, *corners) < 1.0
 
 
+@pytest.mark.parametrize("turns", [(180, 180, 180), (164, -178, 178, 176), (-170, 175, -165, 160, 179)])
+def test_hairpins_at_the_ends_of_legs_of_five_metres(tmp_path: Path, turns: tuple[float, ...]) -> None:
+    """To and fro on short legs, as somebody taps them on a screen: each turn leaves room for the next."""
+    north, east, heading, corners = 0.0, 0.0, 0.3, [(0.0, 0.0, 10.0)]
+    for turn in (0.0, *turns):
+        heading += math.radians(turn)
+        north, east = north + 5.0 * math.cos(heading), east + 5.0 * math.sin(heading)
+        corners.append((north, east, 10.0))
+    mission = read(tmp_path, *(waypoint(*corner) for corner in corners))
+    assert check(mission, load_vehicle("x500")).feasible
+    assert strays(mission, *corners) < 0.1
+
+
+def test_a_first_line_of_zeros_is_an_unknown_home(tmp_path: Path) -> None:
+    file = tmp_path / "w.waypoints"
+    rows = "1 0 3 22 0 0 0 0 0 0 10 1\n2 0 3 16 0 0 0 0 47.0 8.0 10 1\n3 0 3 16 0 0 0 0 47.0004 8.0 10 1\n"
+    file.write_text("QGC WPL 110\n0 1 0 0 0 0 0 0 0 0 0 1\n" + rows)
+    assert load_mission(str(file), None).table.length == pytest.approx(44.5, abs=0.1)
+
+
 def changed(change: Any) -> str:
     data = plan(*SQUARE)
     change(data)

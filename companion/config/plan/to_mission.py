@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from companion.config.plan.corners import Legs, merged, turned_round
 from companion.config.plan.yaw import leg_yaw
 from companion.fence import Fence
 from companion.frames import Vec3
@@ -16,7 +16,7 @@ from companion.geodesy import Home, LocalFrame
 from companion.mission import GlobalOrigin, PathAction
 from companion.paths.curve import Curve
 from companion.paths.placement import Placement
-from companion.paths.polyline import PHI, SPLIT, polyline
+from companion.paths.polyline import polyline
 from companion.paths.spline import SPACING, spline
 from companion.paths.tracing import LENGTH_MAX
 from companion.plans.items import Key, Plan, PlanError, Problem, fence_in
@@ -34,15 +34,6 @@ FAR = 50_000.0
 """m; a waypoint farther from the first is a mistake. PX4's own distance to a mission's first waypoint is less."""
 APART = 0.05
 """m; nearer waypoints are one."""
-RADIUS_MIN = 0.5
-"""m; a rounded corner that bends tighter is flown as two."""
-LEFT_MIN = 0.1
-"""m of a tolerance that are left for rounding where two waypoints are flown as one."""
-BEND = 35.0 / 16.0
-"""Twice the largest second derivative of ``polyline``'s blend."""
-HALF_LEG_MIN = 1.2
-"""m, half the leg between the two: a turn on the spot then has a radius of 0.39 m."""
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -63,17 +54,6 @@ class Planned:
     actions: tuple[PathAction, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Legs:
-    """``points``: north, east, down in m from the planned home. ``waypoints``: for each the leg that leads to it.
-    ``tolerances``: m, how far from each the path may pass it."""
-
-    points: list[Vec3]
-    waypoints: list[Waypoint]
-    closed: bool
-    tolerances: list[float] = field(default_factory=list)
-
-
 def planned(
     plan: Plan, tolerance: float, smooth: bool, placement: Placement, home_altitude: float | None = None,
     line_of: Callable[[Key], int] | None = None,
@@ -91,7 +71,7 @@ def planned(
     _near_enough(way, frame)
     legs = merged(_apart(way, frame), tolerance)
     if not smooth:
-        legs = _turned_round(legs)
+        legs = turned_round(legs)
     points = [placement.to_mission(p) for p in legs.points]
     curve = spline(points, legs.closed) if smooth else polyline(points, legs.closed, legs.tolerances)
     curve = curve.placed(placement)
@@ -165,114 +145,6 @@ def _apart(way: Route, frame: LocalFrame) -> Legs:
     if len(points) < 2:
         raise ValueError("has all its waypoints at one place")
     return Legs(points, kept, closed and len(points) > 2)
-
-
-def merged(legs: Legs, tolerance: float) -> Legs:
-    """Waypoints nearer to each other than ``tolerance`` (m), which no vehicle could tell apart within it, as one in
-    their middle: as far from each as half of it at most, and the path passes that so much nearer. Of an open path the
-    ends are kept."""
-    groups: list[list[int]] = []
-    for i, point in enumerate(legs.points):
-        if groups:
-            first = legs.points[groups[-1][0]]
-            middle = [0.5 * (a + b) for a, b in zip(first, point, strict=True)]
-            if all(math.dist(legs.points[k], middle) < 0.5 * tolerance for k in (*groups[-1], i)):
-                groups[-1].append(i)
-                continue
-        groups.append([i])
-    if len(groups) < (3 if legs.closed else 2):
-        return replace(legs, tolerances=[tolerance] * len(legs.points))
-    points, tolerances = [], []
-    for k, group in enumerate(groups):
-        first, last = legs.points[group[0]], legs.points[group[-1]]
-        if not legs.closed and k in (0, len(groups) - 1):
-            kept = first if k == 0 else last
-        else:
-            kept = (0.5 * (first[0] + last[0]), 0.5 * (first[1] + last[1]), 0.5 * (first[2] + last[2]))
-        points.append(kept)
-        tolerances.append(tolerance - max(math.dist(legs.points[i], kept) for i in group))
-    waypoints = [_one([legs.waypoints[i] for i in group]) for group in groups]
-    merged_legs = Legs(points, waypoints, legs.closed, tolerances)
-    while True:
-        pair = _too_near(merged_legs)
-        if pair is None:
-            return merged_legs
-        merged_legs = _joined(merged_legs, pair)
-
-
-def _too_near(legs: Legs) -> int | None:
-    """A corner that its short leg to the next leaves no room to be rounded, where the two can be flown as one: their
-    middle is within what is left of both tolerances."""
-    p = np.array(legs.points)
-    ahead = np.diff(p, axis=0)
-    lengths = np.linalg.norm(ahead, axis=1)
-    for i in range(1, len(p) - 2):
-        left = min(legs.tolerances[i], legs.tolerances[i + 1]) - 0.5 * lengths[i]
-        if left < LEFT_MIN:
-            continue
-        for before, after in ((i - 1, i), (i, i + 1)):
-            cosine = float(ahead[before] @ ahead[after] / (lengths[before] * lengths[after]))
-            half = 0.5 * math.acos(min(max(cosine, -1.0), 1.0))
-            room = SPLIT * min(lengths[before], lengths[after])
-            if room * math.cos(half) ** 2 < RADIUS_MIN * BEND * math.sin(half):
-                return i
-    return None
-
-
-def _one(waypoints: list[Waypoint]) -> Waypoint:
-    """Waypoints as one: the leg that leads to the first, and what the payload does at all of them."""
-    payload = tuple(command for waypoint in waypoints for command in waypoint.payload)
-    return waypoints[0]._replace(payload=payload)
-
-
-def _joined(legs: Legs, i: int) -> Legs:
-    """With waypoint ``i`` and the next as one in their middle."""
-    (x, y, z), (u, v, w) = legs.points[i], legs.points[i + 1]
-    left = min(legs.tolerances[i], legs.tolerances[i + 1]) - 0.5 * math.dist(legs.points[i], legs.points[i + 1])
-    return Legs(
-        [*legs.points[:i], (0.5 * (x + u), 0.5 * (y + v), 0.5 * (z + w)), *legs.points[i + 2 :]],
-        [*legs.waypoints[:i], _one(legs.waypoints[i : i + 2]), *legs.waypoints[i + 2 :]],
-        legs.closed,
-        [*legs.tolerances[:i], left, *legs.tolerances[i + 2 :]],
-    )
-
-
-def _turned_round(legs: Legs) -> Legs:
-    """A corner too sharp to be rounded within its tolerance is flown as two, a short leg across it between them."""
-    p = np.array(legs.points)
-    ahead = np.roll(p, -1, axis=0) - p
-    ahead /= np.maximum(np.linalg.norm(ahead, axis=1), 1e-9)[:, None]
-    cosines = np.clip(np.sum(np.roll(ahead, 1, axis=0) * ahead, axis=1), -1.0, 1.0)
-    # of the rounded corner of ``polyline`` at its tightest: tolerance / 0.598 / tan^2(turn/2)
-    tolerances = np.array(legs.tolerances)
-    radii = tolerances / (2.0 * PHI[-1]) / BEND * (1.0 + cosines) / np.maximum(1.0 - cosines, 1e-9)
-    kept: list[float] = []
-    points: list[Vec3] = []
-    waypoints: list[Waypoint] = []
-    last = len(p) - 1
-    for i, (point, waypoint) in enumerate(zip(legs.points, legs.waypoints, strict=True)):
-        if (not legs.closed and i in (0, last)) or radii[i] > RADIUS_MIN:
-            points.append(point)
-            waypoints.append(waypoint)
-            kept.append(legs.tolerances[i])
-            continue
-        half = max(legs.tolerances[i], HALF_LEG_MIN)
-        for sign in (-half, half):
-            x, y, z = p[i] + sign * _across(ahead[i - 1], ahead[i])
-            points.append((float(x), float(y), float(z)))
-            waypoints.append(waypoint if sign < 0.0 else waypoint._replace(payload=()))
-            kept.append(legs.tolerances[i])
-    return replace(legs, points=points, waypoints=waypoints, tolerances=kept)
-
-
-def _across(before: Array, after: Array) -> Array:
-    """The direction half-way between two that nearly oppose each other; level, to the right, where they do."""
-    middle = before + after
-    length = float(np.linalg.norm(middle))
-    if length > 0.05:
-        return middle / length
-    north, east = before[:2] if math.hypot(*before[:2]) > 1e-3 else (1.0, 0.0)
-    return np.array([-east, north, 0.0]) / math.hypot(north, east)
 
 
 def _arcs(curve: Curve, legs: Legs, smooth: bool) -> list[float]:

@@ -65,5 +65,7 @@ def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
 
 
 def _is_home(first: Item) -> bool:
-    """Whether the first item of a file stands for home: a waypoint above the sea, or on the ground."""
+    """Whether the first item of a file stands for home: a waypoint above the sea, on the ground, or nothing at all."""
+    if first.number == first.command == 0 and not any(first.params[4:7]):
+        return True
     return first.command == MAV_CMD_NAV_WAYPOINT and (first.frame in AMSL_FRAMES or first.params[6] == 0.0)
