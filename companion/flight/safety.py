@@ -32,6 +32,11 @@ class Row(NamedTuple):
     advice: str
 
 
+RAISE_SPEED = "raise the link's speed"
+MEND_LINK = "mend the link: antennas, range, another radio; or ask for fewer states"
+LINK_ADVICE = frozenset({RAISE_SPEED, MEND_LINK})
+"""What is advised where the link is to blame."""
+
 # each with the s it must last (engineering choices)
 ROWS: tuple[Row, ...] = (
     Row(
@@ -177,14 +182,14 @@ ROWS: tuple[Row, ...] = (
         conditions.slow,
         1.0,
         Action.HAND_BACK,
-        "raise the link's speed",
+        RAISE_SPEED,
     ),
     Row(
         f"{conditions.GAPS} gaps of over {conditions.GAP:g} s in the states within {conditions.GAPS_WITHIN:g} s",
         conditions.gaps,
         0.0,
         Action.HAND_BACK,
-        "mend the link: antennas, range, another radio; or ask for fewer states",
+        MEND_LINK,
     ),
     Row("another companion speaks on the link", conditions.others, 0.0, Action.HAND_BACK, "stop the other companion"),
 )

@@ -25,10 +25,15 @@ LATE = 0.5
 PACE_OVER, PACE_FIRST = 2.0, 0.1
 """s over which the pace of the vehicle's clock is taken, and after which it is known for the first time."""
 
+BEHIND_FROM = 0.5
+"""s a second from which on a clock may be one that falls behind; slower stamps have another unit (engineering choice).
+"""
+
 
 @dataclass(slots=True)
 class VehicleClock:
-    """One vehicle's clock. ``pace``: s of it a second of ours, None until measured. ``may_restart``: nothing flies, so
+    """One vehicle's clock. ``pace``: s of it a second of ours, None until measured; below 1 only as far as TIMESYNC
+    proves it, since states that come later and later look the same. ``may_restart``: nothing flies, so
     a vehicle whose clock begins anew is taken again. ``restarts``: how often that was. ``may_stand``: a simulated
     vehicle whose clock stands until its first setpoint; what passes until then is no lateness."""
 
@@ -43,6 +48,8 @@ class VehicleClock:
     _floor_at: float = -math.inf
     _late_since: float | None = None
     _pace_from: tuple[float, float] | None = None
+    _fallen: float = 0.0  # s a second that TIMESYNC proves it to fall behind
+    _fallen_from: tuple[float, float] | None = None
 
     def late(self, t_boot: float, now: float) -> float:
         """s by which a state that arrives at ``now`` is older than the youngest this link has brought."""
@@ -75,11 +82,17 @@ class VehicleClock:
         self.restarts += 1
         self._best, self._at = math.inf, -math.inf
         self._floor = self._floor_at = -math.inf
-        self._late_since = self._pace_from = self.pace = None
+        self._late_since = self._pace_from = self._fallen_from = self.pace = None
+        self._fallen = 0.0
 
     def synchronise(self, sent: float, answered: float, now: float) -> None:
         """TIMESYNC: asked at ``sent`` by our clock, answered at ``answered`` by the vehicle's, back at ``now``."""
         floor = sent - answered
+        if self._fallen_from is None:
+            self._fallen_from = (floor, now)
+        elif now - self._fallen_from[1] >= PACE_OVER:
+            self._fallen = max(0.0, (floor - self._fallen_from[0]) / (now - self._fallen_from[1]))
+            self._fallen_from = (floor, now)
         if self._floor == -math.inf:
             self._floor, self._floor_at = floor, now
         elif floor > self._floor:
@@ -94,6 +107,7 @@ class VehicleClock:
             return
         stamp, at = self._pace_from
         if now - at >= PACE_FIRST:
-            self.pace = (t_boot - stamp) / (now - at)
+            pace = (t_boot - stamp) / (now - at)
+            self.pace = max(pace, 1.0 - self._fallen) if BEHIND_FROM < pace < 1.0 else pace
             if now - at >= PACE_OVER:
                 self._pace_from = (t_boot, now)

@@ -23,6 +23,9 @@ MISSING_TOLD_AFTER = 3.0
 """s after which what a flight waits for is told."""
 SEARCH_ANEW = 0.5
 """m of an estimator's jump from which on the nearest point is sought on the whole path."""
+SLOW_CLOCK = 0.97
+"""s of the vehicle's clock a second of ours below which it is told: no crystal is off by 0.1 % (engineering choice)."""
+SLOW_CLOCK_ADVICE = "the simulation is slower than real time: give it more of the computer, then start again"
 
 FAULTS = frozenset({
     Event.STOP, Event.STOP_ON_GROUND, Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY, Event.STALE,
@@ -55,17 +58,27 @@ def change_phase(moment: Moment, memory: Memory, law_error: str | None = None) -
         if decision is None:
             return memory
         phase, event, reason = decision
+        reason, advice = _with_clock(moment, event, reason)
         notes.append(f"{memory.phase.value} -> {phase.value}: {reason}")
         if phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
             notes.append(f"tilt the vehicle by hand, 15 degrees to every side: {lacking(memory.shown)}")
-        memory = _entered(moment, memory, phase, event, reason)
+        memory = _entered(moment, memory, phase, event, reason, advice)
 
 
-def _entered(moment: Moment, memory: Memory, phase: Phase, event: Event, reason: str) -> Memory:
+def _with_clock(moment: Moment, event: Event, reason: str) -> tuple[str, str | None]:
+    """The reason and what is advised; of states that lack or come late, the vehicle's clock where that is the cause."""
+    advice = moment.verdict.advice if event in (Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED) else None
+    pace = moment.seen.clock_pace
+    late = event in (Event.STALE, Event.STATUS_LOST) or advice in safety.LINK_ADVICE
+    if not late or pace is None or pace >= SLOW_CLOCK:
+        return reason, advice
+    return f"{reason}; its clock runs at {pace:.2f} of real time", SLOW_CLOCK_ADVICE
+
+
+def _entered(moment: Moment, memory: Memory, phase: Phase, event: Event, reason: str, advice: str | None) -> Memory:
     plan, status = moment.plan, moment.status
     came_from = memory.phase
     if memory.first_fault is None and event in FAULTS:
-        advice = moment.verdict.advice if event in (Event.ABORT_REQUIRED, Event.HAND_BACK_REQUIRED) else None
         if event in (Event.TIMED_OUT, Event.REFUSED):
             advice = ADVICE_AFTERWARDS.get(came_from)
         memory = memory._replace(first_fault=reason, fault_event=event, advice=advice)

@@ -25,3 +25,15 @@ def test_once_it_ran_or_where_it_may_not_a_clock_that_stands_is_late() -> None:
     clock = VehicleClock()
     clock.late(0.0, 10.0)
     assert clock.late(0.0, 10.3) == pytest.approx(0.3, abs=1e-3)
+
+
+@pytest.mark.parametrize(("clock_runs", "later", "told"), [(0.9, 0.0, 0.9), (1.0, 0.1, 1.0), (1.0, 0.0, 1.0)])
+def test_a_clock_is_called_slow_only_where_timesync_proves_it(clock_runs: float, later: float, told: float) -> None:
+    """``later``: s a second by which states come later and later, while the clock runs as it should."""
+    clock = VehicleClock(may_restart=False)
+    for tick in range(1500):
+        now = 0.004 * tick
+        clock.late(clock_runs * now, now + later * now)
+        if tick % 62 == 0:
+            clock.synchronise(now, clock_runs * (now + 0.001), now + 0.002)
+    assert clock.pace == pytest.approx(told, abs=0.01)
