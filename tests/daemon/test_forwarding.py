@@ -6,11 +6,15 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from mavsdk.plugins.action import Action
+from mavsdk.plugins.param import Param
+from mavsdk.plugins.telemetry import Telemetry
 from pymavlink import mavutil
 
 from companion.daemon.forwarding import (
@@ -28,6 +32,7 @@ from companion.daemon.forwarding import (
 from companion.daemon.port import AddressError
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import message
+from companion.services.vehicle import connected
 from companion.vehicle import OutputLevel
 from tests.support.flights import Flown, flight
 
@@ -189,10 +194,11 @@ def test_what_is_no_endpoint_is_answered_in_one_line(url: str) -> None:
 
 
 @pytest.mark.xdist_group("real time")
-def test_a_ground_station_works_through_it(tmp_path: Path) -> None:
-    """pymavlink at the endpoint: hears the vehicle, reads a parameter of it, commands it and hears the answer."""
+def test_a_ground_station_and_mavsdk_work_through_it(tmp_path: Path) -> None:
+    """pymavlink at one endpoint hears the vehicle, reads a parameter of it, commands it and hears the answer; MAVSDK at
+    another reads the same parameter, arms the vehicle and sees it armed."""
     ports = []
-    for _ in range(2):
+    for _ in range(3):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
             free.bind(("127.0.0.1", 0))
             ports.append(free.getsockname()[1])
@@ -207,7 +213,8 @@ def test_a_ground_station_works_through_it(tmp_path: Path) -> None:
         f"udpout://127.0.0.1:{ports[0]}",
     ]
     fly = [sys.executable, "-m", "companion", "fly", "circle_r5", "--connect", f"udpin://127.0.0.1:{ports[0]}"]
-    fly += ["--start", "pilot", "--forward", f"udpout://127.0.0.1:{ports[1]}", "--record", "flight", "--no-report"]
+    fly += ["--start", "pilot", "--record", "flight", "--no-report"]
+    fly += [word for port in ports[1:] for word in ("--forward", f"udpout://127.0.0.1:{port}")]
     environment = os.environ | {"XDG_RUNTIME_DIR": str(tmp_path)}
     processes = [subprocess.Popen(command, cwd=tmp_path, env=environment, **quiet) for command in (plant, fly)]  # type: ignore[call-overload]
     try:
@@ -227,6 +234,16 @@ def test_a_ground_station_works_through_it(tmp_path: Path) -> None:
         )
         assert answer is not None and answer.result == 0
         station.close()
+        with connected(f"udpin://127.0.0.1:{ports[2]}") as vehicle:
+            assert vehicle is not None
+            assert Param(vehicle.system).get_param_float("COM_OF_LOSS_T") == 1.0
+            telemetry, ends = Telemetry(vehicle.system), time.monotonic() + 20.0
+            while not telemetry.health_all_ok() and time.monotonic() < ends:
+                time.sleep(0.1)
+            Action(vehicle.system).arm()
+            while not telemetry.armed() and time.monotonic() < ends:
+                time.sleep(0.1)
+            assert telemetry.armed()
     finally:
         for process in reversed(processes):
             process.terminate()

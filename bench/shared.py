@@ -1,0 +1,132 @@
+"""What those who look on cost the flight: p99 of state to setpoint: python -m bench.shared [s a round] [rounds]
+
+    alone      the daemon flying circle_r5 on rates, as bench.latency measures it
+    watched    the same while `companion watch` serves 4 viewers
+    forwarded  the same with --forward to three endpoints: one reads, one never reads, one floods (2000 datagrams/s)
+
+Rounds take turns, so that what else the machine does falls on all alike. Target: p99 at most 5 % more than alone. To be
+run with nothing else on the machine.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import socket
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from bench.latency import BY_RATES, PERIOD, ROOT, WARM_UP, Client, Meter, free_port, running
+from companion.daemon.realtime import PRIORITY, at_priority
+from companion.mavlink.codec import Encoder
+from companion.mavlink.dialect import message
+
+VIEWERS, FLOOD_RATE = 4, 2000.0
+TARGET = 1.05
+SEE = "http://127.0.0.1:{port}/words"
+
+
+def stations(*ports: int) -> None:
+    """Three endpoints: the first reads, the second does not, the third floods whoever forwards to it."""
+    ends = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in ports]
+    for end, port in zip(ends, ports, strict=True):
+        end.bind(("127.0.0.1", port))
+    reads, _, floods = ends
+    reads.setblocking(False)
+    frame = Encoder(255, 190).message(message("COMMAND_LONG"), command=512, param1=148.0, target_system=1)
+    _, peer = floods.recvfrom(65535)
+    due, heard = time.monotonic(), 0
+    while True:
+        due += 0.01
+        for _ in range(round(0.01 * FLOOD_RATE)):
+            with contextlib.suppress(OSError):
+                floods.sendto(frame, peer)
+        with contextlib.suppress(OSError):
+            while True:
+                reads.recv(65535)
+                heard += 1
+        time.sleep(max(0.0, due - time.monotonic()))
+
+
+async def _view(port: int) -> None:
+    from aiohttp import ClientError, ClientSession
+
+    async with ClientSession() as session:
+        while True:
+            with contextlib.suppress(ClientError, OSError):
+                async with session.get(SEE.format(port=port), timeout=None) as answer:
+                    async for _ in answer.content:
+                        pass
+            await asyncio.sleep(0.2)
+
+
+async def _views(port: int) -> None:
+    await asyncio.gather(*(_view(port) for _ in range(VIEWERS)))
+
+
+@contextlib.contextmanager
+def _beside(kind: str, ports: list[int], output: Path) -> Iterator[None]:
+    """Whoever looks on, while a round is measured."""
+    helper = [sys.executable, "-m", "bench.shared", kind, *map(str, ports)]
+    with contextlib.ExitStack() as stack:
+        if kind == "viewers":
+            watch = [sys.executable, "-m", "companion", "watch", "--listen", f"127.0.0.1:{ports[0]}"]
+            stack.enter_context(running(watch, output))
+        if kind != "nobody":
+            stack.enter_context(running(helper, output))
+            time.sleep(1.0)
+        yield
+
+
+def _client(name: str, folder: Path, ports: list[int]) -> Client:
+    mission = folder / "mission.yaml"
+    mission.write_text((ROOT / "configs/missions/circle_r5.yaml").read_text() + "origin: local\n")
+    shared = [word for port in ports for word in ("--forward", f"udpout://127.0.0.1:{port}")]
+    return Client(name, lambda port, where: [
+        sys.executable, "-m", "companion", "fly", str(mission), "--vehicle", "x500", "--output", "rates",
+        "--set-parameters", "--no-report", "--connect", f"udpin://127.0.0.1:{port}",
+        "--record", str(where / f"flight-{port}"), *shared,
+    ], BY_RATES, direct=False)  # fmt: skip
+
+
+def main() -> None:
+    """Measure and print the table."""
+    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 20.0
+    rounds = int(sys.argv[2]) if len(sys.argv) > 2 else 2
+    at_priority(PRIORITY + 5)
+    with tempfile.TemporaryDirectory() as name:
+        folder, output = Path(name), Path(name) / "said.txt"
+        os.environ["XDG_RUNTIME_DIR"] = name
+        ends = [free_port() for _ in range(3)]
+        cases = [("alone", "nobody", []), ("watched", "viewers", [free_port()]), ("forwarded", "stations", ends)]
+        clients = [_client(case, folder, ports if kind == "stations" else []) for case, kind, ports in cases]
+        for _ in range(rounds):
+            for client, (_, kind, ports) in zip(clients, cases, strict=True):
+                meter = Meter(client, port := free_port())
+                with _beside(kind, ports, output), running(client.command(port, folder), output):
+                    meter.run(WARM_UP + round(seconds / PERIOD), seconds + 25.0)
+        told = output.read_text()
+    print("\n".join(line for line in told.splitlines() if "forwarded to" in line))
+    alone = clients[0].percentiles
+    print(f"{'':10} {'answers':>8} {'p50 us':>8} {'p99':>8} {'max':>8}   of alone: p50   p99")
+    for client in clients:
+        p50, p99, most = client.percentiles
+        ratios = f"{p50 / alone[0]:15.2f} {p99 / alone[1]:5.2f}"
+        print(f"{client.name:10} {len(client.delays):8} {p50:8.0f} {p99:8.0f} {most:8.0f} {ratios}")
+    held = all(client.percentiles[1] <= TARGET * alone[1] for client in clients)
+    print(f"target {TARGET:g}: {'held' if held else 'MISSED'}")
+    sys.exit(0 if held else 1)
+
+
+if __name__ == "__main__":
+    what = sys.argv[1:2]
+    if what == ["stations"]:
+        stations(*map(int, sys.argv[2:]))
+    elif what == ["viewers"]:
+        asyncio.run(_views(int(sys.argv[2])))
+    else:
+        main()
