@@ -155,13 +155,16 @@ def log(
     from companion.cli.finish import FAILED, NO_VEHICLE
     from companion.cli.terminal import say, tell
     from companion.cli.vehicle_log import fetched
-    from companion.config.syntax.faults import ConfigError, Fault
+    from companion.config.syntax.faults import Fault
     from companion.daemon.address import parsed
+    from companion.library.orders import Faults
     from companion.services.vehicle import NoVehicleHeardError, ServiceError
 
-    parsed(connect)
+    faults = Faults()
+    faults.collect(lambda: parsed(connect))
     if not to.is_dir():
-        raise ConfigError([Fault("--to", 0, "", f"{to}: no such folder")])
+        faults.add(Fault("--to", 0, "", f"{to}: no such folder"))
+    faults.raise_any()
     try:
         file = fetched(connect, to)
     except ServiceError as error:

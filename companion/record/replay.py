@@ -58,6 +58,8 @@ class Replayed:
 
 def load_flight(directory: Path) -> Recorded:
     """The flight in a folder. ConfigError: it is not one, or lacks a part."""
+    if not directory.is_dir():
+        raise ConfigError([Fault(str(directory), 0, "", "no such folder; expected a flight folder")])
     resolved_file = directory / "resolved.json"
     reading = resolved_file
     try:
