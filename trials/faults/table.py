@@ -40,8 +40,8 @@ vehicle was in OFFBOARD or Hold after the fault, of the height it flew at then; 
 """
 UDP = """## Over UDP, in real time
 
-Of every kind that was seen one case, and some others, drawn by a seed: the daemon's own loop and socket, the vehicle a process of its own. Made by
-`python -m bench.faults --udp`.
+Of every kind that was seen one case, and some others, drawn by a seed: the daemon's own loop and socket, the vehicle a
+process of its own. Made by `python -m bench.faults --udp`.
 
 """
 
@@ -131,22 +131,30 @@ def page(found: Iterable[Row], commit: str) -> str:
     for row in flown:
         if not row.udp:
             by_name.setdefault(row.name, {})[row.level] = row
-    over_udp = {(row.name, row.level): row for row in flown if row.udp}
-    flights = [row for row in flown if not row.udp]
+    flown_udp = {(row.name, row.level): row for row in flown if row.udp}
+    flights = [row for group in by_name.values() for row in group.values()]
     right = sum(not row.wrong for row in flights)
     text = PAGE + (
-        f"{len(by_name)} faults, {len(flights)} flights at commit {commit}, {right} as they must be"
-        f"; over UDP {len(over_udp)}, {sum(not row.wrong for row in over_udp.values())} as they must be.\n"
+        f"{len(by_name)} faults, {len(flights)} of {len(flights_of(DECK, LEVELS))} flights at commit {commit}, {right} as "
+        f"they must be; over UDP {len(flown_udp)}, {sum(not row.wrong for row in flown_udp.values())} as they must be.\n"
     )
     for title, cases in GROUPS.items():
-        lines = [_line(case, by_name[case.name]) for case in cases if case.name in by_name]
+        lines = [
+            _line(case, by_name[case.name], _only(case, by_name[case.name])) for case in cases if case.name in by_name
+        ]
         if lines:
             text += f"\n## {title}\n\n{HEAD}{''.join(lines)}"
     lines = [
-        _line(case, {level: over_udp[case.name, level]}, f" (at {level.value})")
-        for case in DECK for level in LEVELS if (case.name, level) in over_udp
+        _line(case, {level: flown_udp[case.name, level]}, f" (at {level.value})")
+        for case in DECK for level in LEVELS if (case.name, level) in flown_udp
     ]  # fmt: skip
     return text + (f"\n{UDP}{HEAD}{''.join(lines)}" if lines else "")
+
+
+def _only(case: Case, group: dict[OutputLevel, Row]) -> str:
+    """Where it was flown at some of its levels only, at which."""
+    levels = ", ".join(level.value for level in LEVELS if level in group)
+    return "" if set(group) == set(case.levels) else f" (so far at {levels})"
 
 
 def _line(case: Case, group: dict[OutputLevel, Row], suffix: str = "") -> str:
