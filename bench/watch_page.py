@@ -30,7 +30,7 @@ CHROMIUM = (
 )  # fmt: skip
 PORT, DEBUG_PORT = 8791, 9222
 URL = f"http://127.0.0.1:{PORT}/"
-SIZES = {"desktop": (1300, 820, False), "phone": (390, 1400, True)}
+SIZES = {"desktop": (1400, 900, False), "phone": (400, 1400, True)}
 LOOK = """(() => ({ title: document.querySelector('h1')?.textContent,
   phase: document.querySelector('.phase')?.textContent,
   tiles: [...document.querySelectorAll('.tile')].map(t => t.innerText.replace(/\\n+/g, ' ')),
