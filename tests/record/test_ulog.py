@@ -16,11 +16,13 @@ from companion.config.syntax.faults import ConfigError
 from companion.record.table import Table, load_table
 from companion.record.ulog.clock import alignment
 from companion.record.ulog.joined import joined, kept
+from companion.record.ulog.reading import read_ulog
 from sim_bridge.autopilot.logger.logger import TOPICS
 from sim_bridge.autopilot.logger.ulog import ULogFile
 
 pytest.importorskip("pyulog", reason="the extra ulog is not installed")
 
+DATA = Path(__file__).parents[1] / "data"
 SHIFT = 37.123
 """s by which the log's clock is ahead."""
 
@@ -57,6 +59,28 @@ def test_the_clocks_are_found_to_10_ms(folder: Path) -> None:
     log = joined(folder / "own.ulg", load_table(folder / "flight.npy"))
     assert log.alignment.offset == pytest.approx(-SHIFT, abs=0.003)
     assert log.alignment.correlation > 0.95
+
+
+@pytest.mark.parametrize("shift", [0.0, 12.345])
+def test_a_log_of_px4_itself_is_joined_to_10_ms(shift: float) -> None:
+    """14 s of PX4's own simulation on the way to and along a figure of eight, and the states that reached us meanwhile
+    (every second one). Their places are the log's own, so that every millisecond of an error shows."""
+    log = read_ulog(DATA / "px4_flight.ulg")
+    with np.load(DATA / "px4_flight.npz") as received:
+        ours = {name: received[name].astype(float) for name in received.files}
+    rates, place = log["vehicle_angular_velocity"], log["vehicle_local_position"]
+    stamps = ours["t_boot"] + shift
+    found = alignment(
+        stamps, np.column_stack([ours[axis] for axis in "pqr"]), rates.t, np.column_stack([rates.columns[a] for a in "pqr"])
+    )  # fmt: skip
+    assert found is not None and found.offset == pytest.approx(shift, abs=0.003) and found.correlation > 0.95
+    t = place.t + found.offset
+    within = (t > stamps[0]) & (t < stamps[-1])
+    assert within.sum() > 200
+    for name in ("north", "east", "down"):
+        apart = place.columns[name][within] - np.interp(t[within], stamps, ours[name])
+        assert np.abs(apart).max() < 0.02  # 2 m/s for 10 ms
+    assert set(log) >= {"vehicle_attitude", "vehicle_rates_setpoint", "actuator_motors"}
 
 
 def test_a_lap_like_another_is_taken_by_the_same_clock() -> None:

@@ -21,10 +21,13 @@ OVERLAP_MIN = 3.0
 """s that both must have in common (engineering choice)."""
 SAME_CLOCK = 0.1
 """s about zero within which a peak means that the clocks are one (engineering choice)."""
+ONE_CLOCK = 0.5 * GRID
+"""s: an offset below it is an error of this estimate, and the clocks are one: of PX4's own log it is -0.4 ms, and there
+the place at a stamp is the one received with that stamp, to the last digit (tests/data/px4_flight.ulg)."""
 NEARLY_BEST = 0.9
 """of the best correlation: a peak at zero that reaches it is taken before all others (engineering choice)."""
 CORRELATION_MIN = 0.6
-"""Two flights of one path on another day stay below; one flight's is 0.95 and more (tests/record/test_ulog.py)."""
+"""Two flights of one path on another day stay below; of one flight it is 0.95 and more (tests/record/test_ulog.py)."""
 
 
 class Alignment(NamedTuple):
@@ -53,7 +56,8 @@ def alignment(t_ours: Array, ours: Array, t_log: Array, log: Array) -> Alignment
             best = nearest
     if rho[best] < CORRELATION_MIN:
         return None
-    return Alignment(float(offsets[best] + GRID * _peak(rho, best)), float(rho[best]), float(overlap[best] * GRID))
+    offset = float(offsets[best] + GRID * _peak(rho, best))
+    return Alignment(0.0 if abs(offset) < ONE_CLOCK else offset, float(rho[best]), float(overlap[best] * GRID))
 
 
 def _on_grid(t: Array, values: Array) -> Array:
