@@ -16,9 +16,8 @@ from companion.paths.arc import ArcTable
 from companion.paths.implicit import ImplicitPath
 from companion.profiles import SpeedProfile, YawProfile
 from companion.profiles.ends import start_time
-from companion.steering.assembly import rate_steering
+from companion.steering.assembly import motor_steering, rate_steering
 from companion.steering.encoding import AsRates, as_attitude
-from companion.steering.motors import motor_steering
 from companion.steering.speed_governor import Course, course_of
 from companion.steering.steering import Steering
 from companion.steering.torques import torque_steering
@@ -123,7 +122,11 @@ def gains_of(mission: Mission, vehicle: Vehicle, level: OutputLevel, tuning: Tun
     """The mission's gains; where it writes none, those that are chosen for the vehicle."""
     if mission.gains is not None:
         return mission.gains
+    if vehicle.limits is None:  # the paper's: nothing is to be chosen of what it is to be
+        return default_gains(law_level(level))
     lag = vehicle.rate_loop_lag if learned is None else learned.rate_lag
+    if law_level(level) is Level.MOTORS:
+        lag = vehicle.motor_lag
     if level is OutputLevel.ATTITUDE:
         lag += as_attitude(tuning).smoothing
     return auto_gains(law_level(level), lag + vehicle.link_delay + HOLD)
@@ -140,12 +143,13 @@ def _steering(
     learned: Learned | None,
     heading: Heading,
 ) -> Steering:
-    if level is OutputLevel.MOTORS:
-        return motor_steering(law, hold, vehicle)
-    if level is OutputLevel.TORQUES:
-        return torque_steering(law, hold, vehicle)
+    lag = None if learned is None else learned.rate_lag
+    if law_level(level) is Level.MOTORS:
+        prior = prior_of(learned, vehicle.weight / vehicle.thrust_max, vehicle.drag)
+        rate_gain = max(gains.h1[-1], default_gains(Level.MOTORS).h1[-1])
+        motors = motor_steering(law, hold, vehicle, prior, rate_gain, course, lag)
+        return motors if level is OutputLevel.MOTORS else torque_steering(motors)
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
     prior = prior_of(learned, hover, vehicle.drag)
-    lag = None if learned is None else learned.rate_lag
     return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag, heading)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from companion.vehicle import Vehicle
@@ -27,13 +28,16 @@ class ThrustRange:
     high: float
     rate: float
 
-    def twice_integrated(self, zeta: float, zeta_dot: float, zeta_ddot: float, dt: float) -> tuple[float, float, bool]:
-        """(zeta, zeta_dot) ``dt`` later, and whether a bound was met."""
+    def twice_integrated(
+        self, zeta: float, zeta_dot: float, zeta_ddot: float, dt: float, high: float = math.inf
+    ) -> tuple[float, float, bool]:
+        """(zeta, zeta_dot) ``dt`` later, and whether a bound was met. ``high``: N, a bound lower than the range's."""
         wanted = zeta_dot + zeta_ddot * dt
         limited = max(-self.rate, min(self.rate, wanted))
         later = zeta + 0.5 * (zeta_dot + limited) * dt
-        if not self.low <= later <= self.high:
-            return max(self.low, min(self.high, later)), 0.0, True
+        high = min(self.high, high)
+        if not self.low <= later <= high:
+            return max(self.low, min(high, later)), 0.0, True
         return later, limited, limited != wanted
 
     def integrated(self, zeta: float, zeta_dot: float, dt: float, high: float) -> tuple[float, float, bool]:

@@ -65,7 +65,7 @@ def trial(
         if rows and truth.t_boot - memory.follow_from - rows[-1][0] < 0.02:
             return
         steering = conductor.plan.steering if conductor.plan is not None else None
-        estimate = memory.steering.estimate
+        estimate = memory.steering.estimate.motion
         scale = steering.hover_thrust / (true.weight / true.thrust_max)  # type: ignore[union-attr]
         thrust = sum(truth.rotor_thrusts) / true.mass
         b, seen = rotation_matrix(truth.q_nb), rotation_matrix(estimate.state.q_nb)

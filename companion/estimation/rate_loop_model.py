@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, TypeVar
 
 from companion.frames import Vec3
 
@@ -39,6 +39,16 @@ LAG_MIN = 0.005
 """s: a rate loop that is quicker counts as this quick."""
 MOTOR_LAG_MIN = 0.004
 """s: motors that are quicker count as this quick."""
+
+
+class _HasTime(Protocol):
+    @property
+    def at(self) -> float:
+        """s, the vehicle's clock: when it begins to act."""
+
+
+Timed = TypeVar("Timed", bound=_HasTime)
+"""A command of any level."""
 
 
 class TimedCommand(NamedTuple):
@@ -157,7 +167,7 @@ def propagate(
     return rate_loop_state, total / steps
 
 
-def recent_commands(commands: tuple[TimedCommand, ...], since: float) -> tuple[TimedCommand, ...]:
+def recent_commands(commands: tuple[Timed, ...], since: float) -> tuple[Timed, ...]:
     """Those that act at or after ``since`` (s)."""
     past = 0
     while past + 1 < len(commands) and commands[past + 1].at <= since:
@@ -165,7 +175,7 @@ def recent_commands(commands: tuple[TimedCommand, ...], since: float) -> tuple[T
     return commands[past:]
 
 
-def active_command(commands: tuple[TimedCommand, ...], t: float) -> TimedCommand:
+def active_command(commands: tuple[Timed, ...], t: float) -> Timed:
     """The command that acts at ``t`` (s)."""
     for command in reversed(commands):
         if command.at <= t:

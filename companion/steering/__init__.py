@@ -1,12 +1,16 @@
 """From a state to a setpoint: the law at one output level, with the thrust it integrates and the limits it keeps.
 
-    rates           jerk -> body rates and thrust, as a block diagram; ``assembly`` puts it together for a vehicle
+Each is the same block diagram; ``assembly`` puts it together for a vehicle, ``shared`` has the blocks that are alike:
+
+    estimate -> predict -> govern speed -> law -> limits -> encode
+
+    rates           jerk -> body rates and thrust
+    motors          the paper's chain: snap -> torques -> motor commands
     speed_governor  the speed gives way where the vehicle could not fly the path at the mission's
     yaw             the yaw loop compensated
     limits          body rates, thrust, anti-windup, levelling
     encoding        those rates as they are, or as the attitude PX4 turns back into them
     timing          when what acts
-    motors          the paper's chain: snap -> torques -> motor commands
 
 Every level answers the same three questions: where to begin (``begin``), what to send now (``steer``, towards an aim:
 ``Along`` the path or ``At`` a point), and what to send when the law has no say (``level``).

@@ -1,15 +1,18 @@
-"""The steering at the level of rates put together for a vehicle."""
+"""The steering of each level put together for a vehicle."""
 
 from __future__ import annotations
 
 import math
 
+from companion.allocation import Allocation
+from companion.estimation.body_model import Body
 from companion.estimation.estimator import Prior
 from companion.estimation.rate_loop_model import LAG_MIN, RateLoop
 from companion.frames import Heading
 from companion.law.flight import Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
+from companion.steering.motors import MotorSteering
 from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
 from companion.thrust_range import thrust_range
@@ -37,10 +40,6 @@ def rate_steering(
     """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
     ``lag``: s, of its rate loop as last found; None: as its file says."""
     rate_loop = RateLoop(max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing, vehicle.motor_lag)
-    limits = vehicle.limits
-    tan_tilt_max = math.inf
-    if limits is not None:
-        tan_tilt_max = math.tan(min(limits.tilt + TILT_MARGIN, limits.failure_detector - TILT_MARGIN, TILT_MAX))
     return RateSteering(
         law=law,
         hold=hold,
@@ -52,7 +51,44 @@ def rate_steering(
         encoding=encoding,
         yaw_gain=yaw_gain,
         course=course,
-        tan_tilt_max=tan_tilt_max,
+        tan_tilt_max=tan_tilt_max(vehicle),
         lag=rate_loop.lag if lag is None else lag + encoding.smoothing,
         heading=heading,
     )
+
+
+def motor_steering(
+    law: Law,
+    hold: HoldLaw,
+    vehicle: Vehicle,
+    prior: Prior,
+    rate_gain: float,
+    course: Course | None = None,
+    lag: float | None = None,
+) -> MotorSteering:
+    """Steering for ``vehicle``. ``rate_gain``: 1/s, the law's largest on the body rates. ``course``, ``lag``: see
+    ``rate_steering``; the lag is kept for a flight on rates.
+    AllocationError: rotors that cannot make every thrust and torque."""
+    allocation = Allocation(vehicle)
+    _ = allocation.inverse
+    return MotorSteering(
+        law=law,
+        hold=hold,
+        vehicle=vehicle,
+        allocation=allocation,
+        range=thrust_range(vehicle),
+        body=Body(vehicle.mass, vehicle.inertia, vehicle.motor_lag),
+        prior=prior,
+        rate_gain=rate_gain,
+        course=course,
+        tan_tilt_max=tan_tilt_max(vehicle),
+        rate_lag=vehicle.rate_loop_lag if lag is None else lag,
+    )
+
+
+def tan_tilt_max(vehicle: Vehicle) -> float:
+    """Tangent of the steepest tilt of a path."""
+    limits = vehicle.limits
+    if limits is None:
+        return math.inf
+    return math.tan(min(limits.tilt + TILT_MARGIN, limits.failure_detector - TILT_MARGIN, TILT_MAX))

@@ -1,4 +1,18 @@
-"""Motor commands: the paper's own chain. Snap -> torques and thrust -> M^-1 -> commands."""
+"""Motor commands: the paper's own chain. Snap -> torques and thrust -> M^-1 -> commands.
+
+    estimate -> predict (dead time + motors) -> govern speed -> law -> trim -> allocate
+
+    block               module                          memory
+    estimate            estimation.motor_estimate       MotorEstimate
+    predict             estimation.body_model           the commands on their way, the dead time
+    govern speed        steering.speed_governor         SpeedScale
+    law                 law.flight, law.hold            Extension, the dynamic extension (Eq. 4)
+    allocate            allocation                      whether the last command met a limit
+
+Position, velocity and forces are estimated as at the level of rates; where its rate loop stands there, the motors' lag
+and the turning of the body (Eq. 2) stand here. A vehicle without limits is the paper's: it is what its file says, its
+state is what it says, and nothing is estimated.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +20,45 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from companion.allocation import Allocation, Four
-from companion.estimation.predictor import extrapolate
-from companion.estimation.translation import acceleration
+from companion.allocation import Allocated, Allocation
+from companion.estimation.body_model import Body, TimedWrench
+from companion.estimation.estimator import Prior
+from companion.estimation.learned import Learned
+from companion.estimation.link_delay import update_delay
+from companion.estimation.motion_estimate import learn_motion
+from companion.estimation.motor_estimate import (
+    MotorEstimate,
+    advance_motor_estimate,
+    begin_motor_estimate,
+    predict_motors,
+    restart_motor_estimate,
+    trust_state,
+)
+from companion.estimation.predictor import ForceModel, PredictedState
+from companion.estimation.rate_loop_model import recent_commands, thrust_transition
 from companion.frames import Vec3, rotation_matrix, upright_error
-from companion.law.flight import Flying, Law
+from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
+from companion.law.speed_scale import UNITY, SpeedScale
+from companion.steering.limits import THRUST_NEAR_SATURATION
+from companion.steering.shared import (
+    COMMANDS_KEPT,
+    ask,
+    begins_anew,
+    capability_of,
+    estimates_of,
+    govern_aim,
+    is_to_move,
+    learned_of,
+)
+from companion.steering.speed_governor import Capability, Course
 from companion.steering.steering import Aim, Along, Steered
-from companion.thrust_range import ThrustRange, thrust_range
+from companion.steering.timing import Timing
+from companion.thrust_range import THRUST_USED_MAX, ThrustRange
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
 
 NO_DISTURBANCE: Vec3 = (0.0, 0.0, 0.0)
-"""m/s^2, NED: motors are flown without an estimate of it."""
+"""m/s^2, NED."""
 LEVEL_FREQUENCY = 6.0
 """rad/s of the PD law that levels, critically damped. Engineering choice: PX4's MC_ROLL_P is 6.5 1/s."""
 YAW_DAMPING = 4.0
@@ -25,14 +66,27 @@ YAW_DAMPING = 4.0
 
 
 class Extension(NamedTuple):
-    """The thrust the law integrates (zeta N, zeta_dot N/s) and its last zeta_ddot. ``sent``: thrust (N) and torques
-    (N m) of the last setpoint; ``acting``: what the rotors, which lag behind, make of them."""
+    """The thrust the law integrates: ``zeta`` N, ``zeta_dot`` N/s, and the last ``zeta_ddot``, N/s^2 (Eq. 4)."""
 
     zeta: float
-    sent: Four
-    acting: Four
     zeta_dot: float = 0.0
     zeta_ddot: float = 0.0
+
+    def after(self, dt: float) -> Extension:
+        """``dt`` s later, to first order."""
+        return Extension(self.zeta + dt * self.zeta_dot, self.zeta_dot + dt * self.zeta_ddot, self.zeta_ddot)
+
+
+class MotorMemory(NamedTuple):
+    """The blocks' memories, side by side: see RateMemory."""
+
+    estimate: MotorEstimate
+    commands: tuple[TimedWrench, ...]
+    extension: Extension
+    governor: SpeedScale = UNITY
+    delay: float | None = None
+    limited: bool = False
+    moving: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +94,12 @@ class MotorSteering:
     """The law at the level of motors for one vehicle.
 
     A command is held until the next one, so it acts as if it came half a step late, and the rotors follow it with a
-    lag. The law is therefore evaluated at the state that much later; at 1 kHz the paper's case 2 (no lag) then flies
-    within 0.001 deg of its exact tilt.
+    lag. The law is therefore evaluated at the state that much after the dead time; at 1 kHz the paper's case 2 (no lag)
+    then flies within 0.001 deg of its exact tilt.
+
+    ``range``: of zeta. ``prior``: of what is estimated. ``rate_gain``: 1/s, the law's largest on the body
+    rates. ``course``: what lies ahead; None: the speed never yields.
+    ``tan_tilt_max``: of the steepest tilt. ``rate_lag``: s, of the vehicle's own rate loop as last found; not used.
     """
 
     law: Law
@@ -49,75 +107,144 @@ class MotorSteering:
     vehicle: Vehicle
     allocation: Allocation
     range: ThrustRange
+    body: Body
+    prior: Prior
+    rate_gain: float
+    course: Course | None = None
+    tan_tilt_max: float = math.inf
+    rate_lag: float = 0.06
 
-    def begin(self, state: VehicleState) -> Extension:
+    @property
+    def hover_thrust(self) -> float:
+        """Normalised, as the vehicle file's rotors give it."""
+        return self.vehicle.weight / self.allocation.thrust_max
+
+    def begin(self, state: VehicleState) -> MotorMemory:
         """zeta = m g, zeta_dot = 0 (the paper's section V)."""
-        hovering = (self.vehicle.weight, 0.0, 0.0, 0.0)
-        return Extension(self.vehicle.weight, hovering, hovering)
+        return self._begun(begin_motor_estimate(state, self.prior, self.body, self.vehicle.gravity))
 
     def steer(
-        self, memory: Extension, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+        self, memory: MotorMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
     ) -> Steered:
-        """See Steering."""
-        half = 0.5 * dt
-        zeta, sent, acting, zeta_dot, zeta_ddot = memory
-        acting = _lagged(acting, sent, dt, self.vehicle.motor_lag)
-        middle = zeta + half * zeta_dot
-        predicted = state
-        if dt != 0.0:
-            horizon = half + self.vehicle.motor_lag
-            until_then = _mean(acting, sent, horizon, self.vehicle.motor_lag)
-            predicted = extrapolate(state, *self._motion(state, until_then), horizon)
-        flying = Flying(
-            p_n=predicted.p_n,
-            v_n=predicted.v_n,
-            r_nb=rotation_matrix(predicted.q_nb),
-            zeta=middle,
-            w_b=predicted.w_b,
-            zeta_dot=zeta_dot + half * zeta_ddot,
-            drag=self.vehicle.drag,
-            s=aim.s if isinstance(aim, Along) else 0.0,
+        """See Steering: the block diagram above."""
+        memory = self._estimate(self.learn(memory), state, dt, link_delay)
+        assert memory.delay is not None
+        timing = Timing(memory.delay, 0.5 * dt, self.vehicle.motor_lag, 0.0)
+        forces = self._forces(memory.estimate)
+        predicted = predict_motors(memory.estimate, forces, self.body, memory.commands, timing.horizon)
+        capability = self._capability(forces)
+        governor, aim = govern_aim(memory.governor, self.course, aim, capability, dt)
+        extension = memory.extension.after(timing.hold)
+        command = ask(self.law, self.hold, _flying(predicted, extension, forces, aim), aim)
+        torque = self._torque(memory, command, timing)
+        allocated = self.allocation.allocate((extension.zeta / forces.thrust_scale, *torque))
+        return self._steered(
+            memory._replace(governor=governor), aim, command, extension, allocated, capability, timing, dt
         )
-        command = self.law(flying, aim.speed_scale) if isinstance(aim, Along) else self.hold(flying, *aim)
-        later, later_dot, bound = self.range.twice_integrated(zeta, zeta_dot, command.zeta_derivative, dt)
-        allocated = self.allocation.allocate((middle, *command.turn))
+
+    def learn(self, memory: MotorMemory) -> MotorMemory:
+        """See Steering."""
+        estimate = memory.estimate
+        if estimate.motion.pending is None:
+            return memory
+        return memory._replace(estimate=estimate._replace(motion=learn_motion(estimate.motion)))
+
+    def level(self, state: VehicleState | None, memory: MotorMemory | None = None) -> MotorSetpoint:
+        """Hover thrust, and from a fresh state the torques that turn the thrust axis up and stop the turning."""
+        torque = (0.0, 0.0, 0.0) if state is None else self._levelling_torque(state)
+        scale = 1.0 if memory is None else self._forces(memory.estimate).thrust_scale
+        return MotorSetpoint(self.allocation.allocate((self.vehicle.weight / scale, *torque)).commands)
+
+    def learned(self, memory: MotorMemory) -> Learned | None:
+        """What this flight found out of its vehicle; None if it was too short or not settled, or nothing is."""
+        return learned_of(memory.estimate.motion, self.hover_thrust, self.rate_lag) if self._observes else None
+
+    @property
+    def _observes(self) -> bool:
+        return self.vehicle.limits is not None
+
+    def _begun(self, estimate: MotorEstimate) -> MotorMemory:
+        weight = self.vehicle.weight
+        first = TimedWrench(-math.inf, estimate.body_state.acting)
+        return MotorMemory(estimate, (first,), Extension(weight))
+
+    def _estimate(self, memory: MotorMemory, state: VehicleState, dt: float, link_delay: float | None) -> MotorMemory:
+        """Estimate: begun again after a gap and while setpoints are not flown."""
+        # no step of a rate loop stands between the link and the motors
+        delay = update_delay(memory.delay, link_delay, self.vehicle.link_delay, dt, 0.0)
+        gap = state.t_boot - memory.estimate.motion.state.t_boot
+        if begins_anew(gap, dt):
+            return self._begun(restart_motor_estimate(memory.estimate, self.body, state))._replace(delay=delay)
+        if gap <= 0.0:
+            return memory._replace(delay=delay)
+        if self._observes:
+            estimate = advance_motor_estimate(
+                memory.estimate, self.body, memory.commands, state, memory.limited, memory.moving
+            )
+        else:
+            estimate = trust_state(memory.estimate, self.body, memory.commands, state)
+        commands = recent_commands(memory.commands, state.t_boot - COMMANDS_KEPT)
+        return memory._replace(estimate=estimate, commands=commands, delay=delay)
+
+    def _forces(self, estimate: MotorEstimate) -> ForceModel:
+        if self._observes:
+            return estimate.motion.forces
+        return ForceModel(1.0, self.vehicle.drag, NO_DISTURBANCE, self.vehicle.gravity)
+
+    def _capability(self, forces: ForceModel) -> Capability:
+        most = THRUST_USED_MAX * forces.thrust_scale * self.allocation.thrust_max / self.vehicle.mass
+        return capability_of(forces, most, self.tan_tilt_max)
+
+    def _torque(self, memory: MotorMemory, command: Command, timing: Timing) -> Vec3:
+        """Trim, relax: N m to command, without what turns the body anyway.
+
+        The law is asked at a horizon at which this very command has already turned the body for a while; the predictor
+        holds the last one instead. u = law(x(u)) is therefore solved by a step of relaxation from the last command:
+        with the gain k on the body rates and b s of turning per body acceleration, x(u) - x(last) = b (u - last), and
+        what is left of an error after a step is none in the directions of that gain. Without it the loop over the last
+        command has the gain -k b: at poles of -6, -6, -6, -14 and a motor lag of 50 ms it swings at every step.
+        """
+        (u2, u3, u4), (jx, jy, jz) = command.turn, self.vehicle.inertia
+        tp, tq, tr = memory.estimate.body_state.trim
+        _, l2, l3, l4 = memory.commands[-1].wrench
+        acting = timing.hold + timing.lag
+        ratio = 1.0 / (1.0 + self.rate_gain * (acting - (thrust_transition(timing.lag, acting)[1] * acting)))
+        return (
+            l2 + ratio * (u2 - jx * tp - l2), l3 + ratio * (u3 - jy * tq - l3), l4 + ratio * (u4 - jz * tr - l4)
+        )  # fmt: skip
+
+    def _steered(
+        self, memory: MotorMemory, aim: Aim, command: Command, extension: Extension, allocated: Allocated,
+        capability: Capability, timing: Timing, dt: float,
+    ) -> Steered:  # fmt: skip
+        """The extension integrated within its bounds, what came of it all, and the memory for the next step."""
+        estimate, scale = memory.estimate, self._forces(memory.estimate).thrust_scale
+        high = capability.specific_thrust * self.vehicle.mass if self._observes else math.inf
+        zeta, zeta_dot, before = memory.extension
+        # as the torques: the law was asked at half a step of the last zeta_ddot
+        zeta_ddot = before + (command.zeta_derivative - before) / (1.0 + self.rate_gain * timing.hold)
+        later, later_dot, bound = self.range.twice_integrated(zeta, zeta_dot, zeta_ddot, dt, high)
         sent = self.allocation.wrench(allocated.commands)
+        at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
+        share = extension.zeta / scale / self.allocation.thrust_max
+        memory = memory._replace(
+            commands=(*memory.commands, TimedWrench(at, sent)),
+            extension=Extension(later, later_dot, zeta_ddot),
+            limited=bound or share > THRUST_NEAR_SATURATION,
+            moving=is_to_move(command, aim),
+        )
         return Steered(
             setpoint=MotorSetpoint(allocated.commands),
-            memory=Extension(later, sent, acting, later_dot, command.zeta_derivative),
+            memory=memory,
             command=command,
             zeta=later,
             zeta_dot=later_dot,
-            thrust_n=sent[0] if allocated.saturated else middle,
+            thrust_n=scale * sent[0] if allocated.saturated else extension.zeta,
             saturated=bound or allocated.saturated,
-            thrust_share=middle / self.allocation.thrust_max,
-        )
-
-    def learn(self, memory: Extension) -> Extension:
-        """See Steering: motor commands are flown as the vehicle file says."""
-        return memory
-
-    def level(self, state: VehicleState | None, memory: Extension | None = None) -> MotorSetpoint:
-        """Hover thrust, and from a fresh state the torques that turn the thrust axis up and stop the turning."""
-        torque = (0.0, 0.0, 0.0) if state is None else self._levelling_torque(state)
-        u: Four = (self.vehicle.weight, *torque)
-        return MotorSetpoint(self.allocation.allocate(u).commands)
-
-    def learned(self, memory: Extension) -> None:
-        """See Steering: nothing."""
-
-    def _motion(self, state: VehicleState, acting: Four) -> tuple[Vec3, Vec3]:
-        """Acceleration (world) and body acceleration under this thrust and these torques (Eqs. 1 and 2)."""
-        vehicle, r = self.vehicle, state.r_nb
-        thrust, u2, u3, u4 = acting
-        f = thrust / vehicle.mass
-        thrust_n = (f * r[2], f * r[5], f * r[8])
-        jx, jy, jz = vehicle.inertia
-        p, q, w = state.w_b
-        return acceleration(thrust_n, state.v_n, vehicle.gravity, vehicle.drag, NO_DISTURBANCE), (
-            (u2 - (jz - jy) * q * w) / jx,
-            (u3 - (jx - jz) * w * p) / jy,
-            (u4 - (jy - jx) * p * q) / jz,
+            thrust_share=share,
+            converged=estimate.motion.estimator.converged or not self._observes,
+            pace=memory.governor.value,
+            estimates=estimates_of(estimate.motion, timing.delay, timing.lag) if self._observes else None,
         )
 
     def _levelling_torque(self, state: VehicleState) -> Vec3:
@@ -131,24 +258,16 @@ class MotorSteering:
         )  # fmt: skip
 
 
-def _lagged(acting: Four, sent: Four, dt: float, lag: float) -> Four:
-    """What rotors with a first-order ``lag`` (s) make ``dt`` later of what is sent."""
-    return _between(sent, acting, math.exp(-dt / lag) if lag > 0.0 else 0.0)
-
-
-def _mean(acting: Four, sent: Four, horizon: float, lag: float) -> Four:
-    """The mean of it over ``horizon`` (s)."""
-    ratio = lag / horizon * -math.expm1(-horizon / lag) if lag > 0.0 else 0.0
-    return _between(sent, acting, ratio)
-
-
-def _between(a: Four, b: Four, ratio: float) -> Four:
-    (a1, a2, a3, a4), (b1, b2, b3, b4) = a, b
-    return (a1 + (b1 - a1) * ratio, a2 + (b2 - a2) * ratio, a3 + (b3 - a3) * ratio, a4 + (b4 - a4) * ratio)
-
-
-def motor_steering(law: Law, hold: HoldLaw, vehicle: Vehicle) -> MotorSteering:
-    """Steering for ``vehicle``. AllocationError: rotors that cannot make every thrust and torque."""
-    allocation = Allocation(vehicle)
-    _ = allocation.inverse
-    return MotorSteering(law, hold, vehicle, allocation, thrust_range(vehicle))
+def _flying(predicted: PredictedState, extension: Extension, forces: ForceModel, aim: Aim) -> Flying:
+    """The predicted state as the law takes it."""
+    return Flying(
+        p_n=predicted.p_n,
+        v_n=predicted.v_n,
+        r_nb=rotation_matrix(predicted.q_nb),
+        zeta=extension.zeta,
+        w_b=predicted.w_b,
+        zeta_dot=extension.zeta_dot,
+        disturbance=forces.disturbance_n,
+        drag=forces.drag,
+        s=aim.s if isinstance(aim, Along) else 0.0,
+    )

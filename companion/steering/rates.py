@@ -22,8 +22,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from companion.estimation.estimator import Prior
-from companion.estimation.kalman_step import DRAG, THRUST_SCALE
-from companion.estimation.learned import FLIGHT_TIME_MIN, Learned
+from companion.estimation.learned import Learned
 from companion.estimation.link_delay import update_delay
 from companion.estimation.predictor import PredictedState
 from companion.estimation.rate_loop_model import RateLoop, TimedCommand, recent_commands
@@ -51,8 +50,18 @@ from companion.steering.limits import (
     limit_rates,
     limit_thrust,
 )
-from companion.steering.speed_governor import Capability, Course, govern_speed
-from companion.steering.steering import Aim, Along, Estimates, Steered
+from companion.steering.shared import (
+    COMMANDS_KEPT,
+    ask,
+    begins_anew,
+    capability_of,
+    estimates_of,
+    govern_aim,
+    is_to_move,
+    learned_of,
+)
+from companion.steering.speed_governor import Capability, Course
+from companion.steering.steering import Aim, Along, Steered
 from companion.steering.timing import Timing
 from companion.steering.yaw import (
     YawMemory,
@@ -66,14 +75,8 @@ from companion.steering.yaw import (
 from companion.thrust_range import ThrustRange
 from companion.vehicle import Setpoint, Vehicle, VehicleState
 
-MOVING_SPEED_MIN = 0.5
-"""m/s: a vehicle told to fly faster is expected to move. Engineering choice."""
 UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 """The attitude where none is known."""
-COMMANDS_KEPT = 0.06
-"""s that commands are kept after they have acted: the longest gap that the identification bridges."""
-GAP_MAX = 0.5
-"""s without a state after which what was flown meanwhile is not known. Engineering choice."""
 
 
 class RateMemory(NamedTuple):
@@ -131,7 +134,7 @@ class RateSteering:
         timing = self._timing(memory, dt)
         predicted = predict_vehicle(memory.estimate, memory.commands, timing.horizon)
         capability = self._capability(memory.estimate)
-        governor, aim = self._govern(memory.governor, aim, capability, dt)
+        governor, aim = govern_aim(memory.governor, self.course, aim, capability, dt)
         flying = self._flying(memory, predicted, aim)
         command = self._ask(flying, aim)
         thrust = self._limit_thrust(memory, command, capability, timing, dt)
@@ -145,23 +148,24 @@ class RateSteering:
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
-        if memory.estimate.pending is None:
+        pending = memory.estimate.motion.pending
+        if pending is None:
             return memory
         yaw, vehicle = memory.yaw, self.vehicle
         if yaw.pending is not None:
             derivative = yaw_rate_derivative(
                 yaw.pending, self._ask, vehicle.gravity, vehicle.mass, self.yaw_gain, self.heading
             )
-            yaw = update_derivative(yaw, derivative, memory.estimate.pending.dt)
+            yaw = update_derivative(yaw, derivative, pending.dt)
         return memory._replace(estimate=learn_pending(memory.estimate, memory.commands), yaw=yaw)
 
     def level(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
         """See Steering."""
         thrust, q_nb = self.hover_thrust, UPRIGHT
         if memory is not None:
-            scale = memory.estimate.forces.thrust_scale
+            scale = memory.estimate.motion.forces.thrust_scale
             thrust /= scale if math.isfinite(scale) else 1.0  # whatever has failed: the hover thrust is a number
-            q_nb = memory.estimate.state.q_nb
+            q_nb = memory.estimate.motion.state.q_nb
         if state is not None:
             q_nb = state.q_nb
         rates = (0.0, 0.0, 0.0) if state is None else levelling_rates(state.r_nb)
@@ -169,25 +173,19 @@ class RateSteering:
 
     def learned(self, memory: RateMemory) -> Learned | None:
         """What this flight found out of its vehicle; None if it was too short or not settled."""
-        estimator = memory.estimate.estimator
-        if estimator.flight_time < FLIGHT_TIME_MIN or not estimator.converged:
-            return None
         lag = memory.estimate.identification.lag - self.encoding.smoothing
-        belief = estimator.belief
-        hover = self.hover_thrust / belief.thrust_scale
-        scale_std = math.sqrt(belief.variance(THRUST_SCALE)) / belief.thrust_scale
-        return Learned(hover, belief.drag, lag, 0.0, hover * scale_std, math.sqrt(belief.variance(DRAG)))
+        return learned_of(memory.estimate.motion, self.hover_thrust, lag)
 
     def _begun(self, estimate: VehicleEstimate) -> RateMemory:
-        state, hovering = estimate.state, estimate.rate_loop_state.specific_thrust
+        state, hovering = estimate.motion.state, estimate.rate_loop_state.specific_thrust
         first = TimedCommand(-math.inf, state.w_b, hovering)
         return RateMemory(estimate, (first,), self.vehicle.weight / max(state.r_nb[8], 0.5))
 
     def _estimate(self, memory: RateMemory, state: VehicleState, dt: float, link_delay: float | None) -> RateMemory:
         """Estimate: begun again after a gap and while setpoints are not flown."""
         delay = update_delay(memory.delay, link_delay, self.vehicle.link_delay, dt)
-        gap = state.t_boot - memory.estimate.state.t_boot
-        if dt == 0.0 or gap > GAP_MAX:
+        gap = state.t_boot - memory.estimate.motion.state.t_boot
+        if begins_anew(gap, dt):
             return self._begun(restart_estimate(memory.estimate, state))._replace(delay=delay)
         if gap <= 0.0:
             return memory._replace(delay=delay)
@@ -200,20 +198,13 @@ class RateSteering:
         return Timing(memory.delay, 0.5 * dt, memory.estimate.rate_loop.lag, self.encoding.smoothing)
 
     def _capability(self, estimate: VehicleEstimate) -> Capability:
-        scale, drag, disturbance_n, gravity = estimate.forces
-        most = THRUST_MAX * scale * gravity / self.hover_thrust
-        return Capability(most, self.tan_tilt_max, drag, disturbance_n, gravity)
-
-    def _govern(self, governor: SpeedScale, aim: Aim, capability: Capability, dt: float) -> tuple[SpeedScale, Aim]:
-        """Govern speed: along the path only."""
-        if not isinstance(aim, Along) or self.course is None:
-            return UNITY, aim
-        governor = govern_speed(governor, self.course, aim.s, aim.speed_scale, capability, dt)
-        return governor, Along(aim.s, aim.speed_scale * governor)
+        forces = estimate.motion.forces
+        most = THRUST_MAX * forces.thrust_scale * forces.gravity / self.hover_thrust
+        return capability_of(forces, most, self.tan_tilt_max)
 
     def _flying(self, memory: RateMemory, predicted: PredictedState, aim: Aim) -> Flying:
         """The predicted state as the law takes it."""
-        forces = memory.estimate.forces
+        forces = memory.estimate.motion.forces
         return Flying(
             p_n=predicted.p_n,
             v_n=predicted.v_n,
@@ -225,7 +216,7 @@ class RateSteering:
         )
 
     def _ask(self, flying: Flying, aim: Aim) -> Command:
-        return self.law(flying, aim.speed_scale) if isinstance(aim, Along) else self.hold(flying, *aim)
+        return ask(self.law, self.hold, flying, aim)
 
     def _limit_thrust(
         self, memory: RateMemory, command: Command, capability: Capability, timing: Timing, dt: float
@@ -233,7 +224,7 @@ class RateSteering:
         """Limits, thrust: it answers sooner than the rates do."""
         sooner = timing.hold - (timing.lag - self.rate_loop.motor_lag)
         conversion = ThrustConversion(
-            self.vehicle.mass, memory.estimate.forces.thrust_scale, self.hover_thrust / capability.gravity
+            self.vehicle.mass, memory.estimate.motion.forces.thrust_scale, self.hover_thrust / capability.gravity
         )
         most = capability.specific_thrust * self.vehicle.mass
         return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, sooner, conversion)
@@ -253,12 +244,12 @@ class RateSteering:
     def _limit_rates(self, estimate: VehicleEstimate, command: Command, yaw_rate: float) -> LimitedRates:
         """Limits, body rates. The rate loop of a vehicle that is restrained must not wind up."""
         p, q, _ = command.turn
-        turn: Vec3 = (0.0, 0.0, 0.0) if estimate.estimator.restrained else (p, q, yaw_rate)
+        turn: Vec3 = (0.0, 0.0, 0.0) if estimate.motion.estimator.restrained else (p, q, yaw_rate)
         return limit_rates(turn, estimate.identification.gain, self.vehicle.limits)
 
     def _encode(self, memory: RateMemory, rates: LimitedRates, thrust: LimitedThrust, timing: Timing) -> Setpoint:
         """Encode: an attitude setpoint counts from the attitude in which it will be followed."""
-        q_nb = memory.estimate.state.q_nb
+        q_nb = memory.estimate.motion.state.q_nb
         if self.encoding.needs_attitude:
             q_nb = predict_vehicle(memory.estimate, memory.commands, timing.attitude).q_nb
         return self.encoding.setpoint(rates.sent, thrust.sent, q_nb)
@@ -269,14 +260,12 @@ class RateSteering:
     ) -> Steered:  # fmt: skip
         """What came of it, and the memory for the next step."""
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
-        belief = estimate.estimator.belief
-        asked = command.alpha * command.end_scale * aim.speed_scale.value if isinstance(aim, Along) else 0.0
-        at = max(estimate.state.t_boot + timing.delay, memory.commands[-1].at)
+        at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
         memory = memory._replace(
             commands=(*memory.commands, TimedCommand(at, rates.meant, thrust.specific)),
             zeta=thrust.zeta,
             limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
-            moving=abs(asked) > MOVING_SPEED_MIN,
+            moving=is_to_move(command, aim),
         )
         return Steered(
             setpoint=setpoint,
@@ -287,14 +276,7 @@ class RateSteering:
             thrust_n=thrust.newtons,
             saturated=limited,
             thrust_share=thrust.sent,
-            converged=estimate.estimator.converged,
+            converged=estimate.motion.estimator.converged,
             pace=memory.governor.value,
-            estimates=Estimates(
-                belief.thrust_scale,
-                belief.drag,
-                belief.disturbance_n,
-                belief.bias_n,
-                timing.delay,
-                timing.lag - timing.smoothing,
-            ),
+            estimates=estimates_of(estimate.motion, timing.delay, timing.lag - timing.smoothing),
         )

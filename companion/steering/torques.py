@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from companion.law.flight import Law
-from companion.law.hold import HoldLaw
+from companion.estimation.learned import Learned
 from companion.px4_allocation import Px4Allocation
-from companion.steering.motors import MotorSteering, motor_steering
+from companion.steering.motors import MotorSteering
 from companion.steering.steering import Aim, Steered, SteeringMemory
-from companion.vehicle import MotorSetpoint, Setpoint, TorqueSetpoint, Vehicle, VehicleState
+from companion.vehicle import MotorSetpoint, Setpoint, TorqueSetpoint, VehicleState
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +41,7 @@ class TorqueSteering:
         """See Steering."""
         return self._told(self.motors.level(state, memory))
 
-    def learned(self, memory: SteeringMemory) -> None:
+    def learned(self, memory: SteeringMemory) -> Learned | None:
         """See Steering."""
         return self.motors.learned(memory)
 
@@ -52,6 +51,6 @@ class TorqueSteering:
         return TorqueSetpoint(*self.allocation.setpoint((a, b, c, d)))
 
 
-def torque_steering(law: Law, hold: HoldLaw, vehicle: Vehicle) -> TorqueSteering:
-    """Steering for ``vehicle``. AllocationError: rotors that cannot make every thrust and torque."""
-    return TorqueSteering(motor_steering(law, hold, vehicle), Px4Allocation(vehicle))
+def torque_steering(motors: MotorSteering) -> TorqueSteering:
+    """``motors``, told to its vehicle's allocator."""
+    return TorqueSteering(motors, Px4Allocation(motors.vehicle))

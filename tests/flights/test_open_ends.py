@@ -63,16 +63,15 @@ def flown_to_the_end(
         (OutputLevel.RATES, LINE, "{auto: {speed_max: 5}}"),
         (OutputLevel.ATTITUDE, HELIX, "-1.5"),  # its ends lie above each other
         (OutputLevel.RATES, LINE, "{table: [[0, 2.0], [4, 3.0], [8, 1.0]]}"),
+        (OutputLevel.MOTORS, LINE, "{auto: {speed_max: 5}}"),
+        (OutputLevel.MOTORS, HELIX, "-1.5"),
+        (OutputLevel.MOTORS, LINE, "{table: [[0, 2.0], [4, 3.0], [8, 1.0]]}"),
     ],
 )
 def test_it_is_reached_in_the_time_that_check_foretells(
     tmp_path: Path, level: OutputLevel, path: str, speed: str
 ) -> None:
     flown_to_the_end(tmp_path, level, path, speed, load_world("sih"))
-
-
-def test_the_motors_reach_it(tmp_path: Path) -> None:
-    flown_to_the_end(tmp_path, OutputLevel.MOTORS, LINE, "-2.0", World())
 
 
 def test_a_vehicle_that_was_held_before_the_end_reaches_it(tmp_path: Path) -> None:

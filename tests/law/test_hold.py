@@ -8,8 +8,14 @@ from typing import NamedTuple
 import pytest
 
 from companion.calculus.vectors import Vector
-from companion.estimation.predictor import extrapolate
-from companion.frames import Vec3, quaternion_from_euler, rotation_matrix, tilt
+from companion.frames import (
+    Vec3,
+    from_rotation_vector,
+    multiply,
+    quaternion_from_euler,
+    rotation_matrix,
+    tilt,
+)
 from companion.law.errors import LawError
 from companion.law.feedback import Bounds
 from companion.law.flight import Flying
@@ -60,6 +66,25 @@ def test_bounds_change_nothing_near_the_point(level: Level) -> None:
     bounded, linear = law_at(level, Bounds())(flying, PLACE, YAW), law_at(level)(flying, PLACE, YAW)
     assert bounded.turn == pytest.approx(linear.turn)
     assert bounded.zeta_derivative == pytest.approx(linear.zeta_derivative)
+
+
+def extrapolate(state: VehicleState, a_n: Vec3, w_dot_b: Vec3, h: float) -> VehicleState:
+    """``state`` after ``h`` s of acceleration (m/s^2, world) and body acceleration (rad/s^2), to second order in h."""
+    (x, y, z), (vx, vy, vz), (p, q, r) = state.p_n, state.v_n, state.w_b
+    ax, ay, az = a_n
+    p_dot, q_dot, r_dot = w_dot_b
+    half = 0.5 * h
+    turned = from_rotation_vector(
+        (h * (p + half * p_dot), h * (q + half * q_dot), h * (r + half * r_dot)),
+    )
+    return VehicleState(
+        state.t_boot + h,
+        (x + h * (vx + half * ax), y + h * (vy + half * ay), z + h * (vz + half * az)),
+        (vx + h * ax, vy + h * ay, vz + h * az),
+        multiply(state.q_nb, turned),
+        (p + h * p_dot, q + h * q_dot, r + h * r_dot),
+        state.resets,
+    )
 
 
 class Flown(NamedTuple):

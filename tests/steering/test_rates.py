@@ -203,7 +203,7 @@ def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, m
         if conductor.memory is None or conductor.memory.steering is None:
             return
         heights.append(truth.p_n[2])
-        if conductor.memory.steering.estimate.estimator.converged and not converged_at:
+        if conductor.memory.steering.estimate.motion.estimator.converged and not converged_at:
             converged_at.append(now)
 
     done = measured(course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=5.0, settle=3.0, watch=watch)

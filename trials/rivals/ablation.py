@@ -33,10 +33,11 @@ class Forgetful(RateSteering):
         """See Steering."""
         memory = RateSteering.learn(self, memory)
         estimate = memory.estimate
-        belief = estimate.estimator.belief
+        motion = estimate.motion
+        belief = motion.estimator.belief
         x = tuple(0.0 if i in self.forgotten else value for i, value in enumerate(belief.x))
-        estimator = estimate.estimator._replace(belief=belief._replace(x=x))
-        return memory._replace(estimate=estimate._replace(estimator=estimator))
+        estimator = motion.estimator._replace(belief=belief._replace(x=x))
+        return memory._replace(estimate=estimate._replace(motion=motion._replace(estimator=estimator)))
 
 
 def without(remedy: str) -> Callable[[Plan], Steering]:

@@ -1,0 +1,94 @@
+"""The motion block, alike at every level: position, velocity and forces, carried from state to state.
+
+    advance_motion   the prediction of position and velocity for a new state, under the thrust that acted
+    learn_motion     the Kalman filter with that same state
+
+``learn_motion`` does not feed the setpoint of its own state and may be called after it was sent; the prediction stands
+in for it, which differs by the filter's innovation only. Where that is not small it is to be called at once.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.estimation.estimator import (
+    EstimatorState,
+    Measurement,
+    Prior,
+    initial_estimator_state,
+    innovation_is_small,
+    predict_measurement,
+    update_estimate,
+)
+from companion.estimation.kalman_step import DRAG, THRUST_SCALE
+from companion.estimation.predictor import ForceModel
+from companion.frames import Vec3
+from companion.vehicle import VehicleState
+
+
+class MotionEstimate(NamedTuple):
+    """What is known of the vehicle's motion at the stamp of ``state``.
+
+    ``state``: the last one. ``gravity``: m/s^2. ``estimator``: updated with it, or with the one before where
+    ``pending`` is not None. ``p_n`` m, ``v_n`` m/s: estimated position and its derivative. ``pending``: the measurement
+    that the filter has not been updated with yet.
+    """
+
+    state: VehicleState
+    gravity: float
+    estimator: EstimatorState
+    p_n: Vec3
+    v_n: Vec3
+    pending: Measurement | None = None
+
+    @property
+    def forces(self) -> ForceModel:
+        """As estimated."""
+        belief = self.estimator.belief
+        return ForceModel(belief.thrust_scale, belief.drag, belief.apparent_disturbance_n, self.gravity)
+
+
+def begin_motion(state: VehicleState, prior: Prior, gravity: float) -> MotionEstimate:
+    """Hovering, as far as anybody knows."""
+    estimator = initial_estimator_state(state.p_n, state.v_n, state.r_nb, gravity, prior)
+    belief = estimator.belief
+    return MotionEstimate(state, gravity, estimator, belief.p_n, belief.v_n)
+
+
+def known_prior(estimate: MotionEstimate) -> Prior:
+    """What was learned of the vehicle, for a beginning anew."""
+    belief = estimate.estimator.belief
+    return Prior(
+        (belief.thrust_scale, math.sqrt(belief.variance(THRUST_SCALE))), (belief.drag, math.sqrt(belief.variance(DRAG)))
+    )
+
+
+def advance_motion(
+    estimate: MotionEstimate, specific_thrust: float, state: VehicleState, limited: bool, moving: bool
+) -> tuple[MotionEstimate, bool]:
+    """``estimate`` at a new state, and whether the filter is to be updated at once.
+
+    ``specific_thrust``: m/s^2, the mean commanded thrust over mass since the last state, lagged by the motors.
+    ``limited``: the last command met a limit; ``moving``: it was told to fly somewhere.
+    """
+    before = estimate.state
+    # the thrust axis, a mean of both ends
+    old, new = before.r_nb, state.r_nb
+    half = 0.5 * specific_thrust
+    thrust_n = (half * (old[2] + new[2]), half * (old[5] + new[5]), half * (old[8] + new[8]))
+    measurement = Measurement(
+        state.t_boot - before.t_boot, thrust_n, state.p_n, state.v_n, limited, state.resets != before.resets, moving
+    )
+    p_n, v_n = predict_measurement(estimate.estimator.belief, measurement, estimate.gravity)
+    estimate = estimate._replace(state=state, p_n=p_n, v_n=v_n, pending=measurement)
+    return estimate, not innovation_is_small(estimate.estimator, measurement, p_n, v_n)
+
+
+def learn_motion(estimate: MotionEstimate) -> MotionEstimate:
+    """``estimate`` with the filter updated."""
+    if estimate.pending is None:
+        return estimate
+    estimator = update_estimate(estimate.estimator, estimate.pending, estimate.gravity)
+    belief = estimator.belief
+    return estimate._replace(estimator=estimator, p_n=belief.p_n, v_n=belief.v_n, pending=None)

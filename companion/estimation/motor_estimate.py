@@ -1,0 +1,88 @@
+"""The estimate block of a vehicle that takes motor commands: its motion, and how its body turns under them.
+
+advance(estimate, state)   model of motors and body, gyro observer, prediction of position and velocity
+learn_motion               see ``motion_estimate``
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from companion.estimation.body_model import (
+    Body,
+    BodyState,
+    TimedWrench,
+    correct_body_with_gyro,
+    predict_body,
+    propagate_body,
+)
+from companion.estimation.estimator import Prior
+from companion.estimation.motion_estimate import (
+    MotionEstimate,
+    advance_motion,
+    begin_motion,
+    known_prior,
+    learn_motion,
+)
+from companion.estimation.predictor import ForceModel, PredictedState
+from companion.vehicle import VehicleState
+
+Commands = tuple[TimedWrench, ...]
+
+
+class MotorEstimate(NamedTuple):
+    """What is known of the vehicle at the stamp of its last state. ``motion``: position, velocity, forces.
+    ``body_state``: of the model of motors and body."""
+
+    motion: MotionEstimate
+    body_state: BodyState
+
+
+def begin_motor_estimate(state: VehicleState, prior: Prior, body: Body, gravity: float) -> MotorEstimate:
+    """Hovering, as far as anybody knows."""
+    motion = begin_motion(state, prior, gravity)
+    hovering = body.mass * gravity / motion.estimator.belief.thrust_scale
+    return MotorEstimate(motion, BodyState(state.w_b, (hovering, 0.0, 0.0, 0.0)))
+
+
+def restart_motor_estimate(estimate: MotorEstimate, body: Body, state: VehicleState) -> MotorEstimate:
+    """A beginning at ``state`` that keeps what was learned of the vehicle."""
+    motion = estimate.motion
+    return begin_motor_estimate(state, known_prior(motion), body, motion.gravity)
+
+
+def advance_motor_estimate(
+    estimate: MotorEstimate, body: Body, commands: Commands, state: VehicleState, limited: bool, moving: bool
+) -> MotorEstimate:
+    """``estimate`` at a new state. ``limited``: the last command met a limit; ``moving``: it was told to fly
+    somewhere."""
+    before, now = estimate.motion.state.t_boot, state.t_boot
+    body_state, thrust = propagate_body(estimate.body_state, body, commands, before, now)
+    body_state = correct_body_with_gyro(body_state, state.w_b, now - before)
+    motion, at_once = advance_motion(estimate.motion, thrust / body.mass, state, limited, moving)
+    return MotorEstimate(learn_motion(motion) if at_once else motion, body_state)
+
+
+def trust_state(estimate: MotorEstimate, body: Body, commands: Commands, state: VehicleState) -> MotorEstimate:
+    """``estimate`` at a new state that is taken as it is: of a vehicle that is what its file says."""
+    body_state, _ = propagate_body(estimate.body_state, body, commands, estimate.motion.state.t_boot, state.t_boot)
+    motion = estimate.motion._replace(state=state, p_n=state.p_n, v_n=state.v_n)
+    return MotorEstimate(motion, body_state._replace(w_b=state.w_b))
+
+
+def predict_motors(
+    estimate: MotorEstimate, forces: ForceModel, body: Body, commands: Commands, horizon: float
+) -> PredictedState:
+    """The vehicle ``horizon`` s after the last state."""
+    motion = estimate.motion
+    return predict_body(
+        motion.p_n,
+        motion.v_n,
+        motion.state.q_nb,
+        estimate.body_state,
+        forces,
+        body,
+        commands,
+        motion.state.t_boot,
+        horizon,
+    )
