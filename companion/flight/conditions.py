@@ -9,7 +9,8 @@ import math
 from typing import NamedTuple
 
 from companion.flight.conduct import Limits
-from companion.vehicle import KnownStatus, OutputLevel
+from companion.flight.link_needs import BY_RATE_LOOP, LinkNeeds
+from companion.vehicle import KnownStatus
 
 ESTIMATOR_PARTS = (
     (1, "attitude"),
@@ -42,31 +43,16 @@ LIFT_LEANS = 0.9
 """The ratio below which thrust is named with a lean that is not as told (engineering choice)."""
 BEHIND = 5
 """states that arrive together with the newest, from which on the computer is behind (engineering choice)."""
-SLOW_RATE = 12.0
-"""Hz of states, of which fewer are not flown by; preflight asks for 20 (engineering choice)."""
 GAP, GAPS, GAPS_WITHIN = 0.1, 5, 10.0
 """s without a state that count as a gap; so many gaps within so many s are too many."""
 FENCE_AHEAD = 1.0
 """m before the vehicle's own fence, which PX4 would act on (engineering choice)."""
 FAR_OFF = 1.0
 """m from the path that a vehicle may be for a while and not for good (engineering choice)."""
-
-
-THRUST_SPENT, SINKING = 0.95, 0.8
-"""Of the largest thrust; m/s. One motor at half its thrust comes to this within 0.5 s (engineering choice)."""
-PULLED_DOWN, OFF_THE_PATH = 0.5, 0.5
-"""m/s^2, m: at the bottom of a steep curve a sound vehicle sinks at full thrust too, but neither is it pulled down nor
-does it leave its path (engineering choice)."""
-LINK_DELAY_MAX = 0.2
-"""s there and back (issue 11: 100 ms each way). Beyond it the law leans too far."""
-LATE_AT_MOTORS = 0.1
-"""s, the same at motors and torques, where no rate loop of the vehicle's own lies between. Simulated: later it
-tumbles."""
-
-
-def link_delay_max(level: OutputLevel) -> float:
-    """s there and back that a message may take, before the flight and in it."""
-    return LATE_AT_MOTORS if level.without_rate_loop else LINK_DELAY_MAX
+LIFT_SPENT, THRUST_SPENT, SINKING = 0.9, 0.94, 0.8
+"""The ratio below which thrust is named where it is at its limit (of the largest), and the vehicle sinks (m/s). One
+motor at half its thrust comes to this within 0.5 s; a sound vehicle at the bottom of a steep curve sinks at full thrust
+too, but makes it (engineering choice)."""
 
 
 class SafetyInputs(NamedTuple):
@@ -78,10 +64,8 @@ class SafetyInputs(NamedTuple):
     ``rate_error``: rad/s between the rates asked for and flown, None where none are. ``turning``: rad/s, how fast it
     turns. ``still``: it neither moves nor turns.
     ``saturated``: a limit of the vehicle was met. ``thrust_share``: of the largest thrust, asked for; ``sinking``: m/s
-    downwards; ``pulled_down``: m/s^2 that thrust, drag and weight do not explain, None where it is not estimated.
-    ``link_delay``: s there and back, None where it is not known; ``link_delay_max``:
-    more is too much. ``jump``: m that the position jumped, ``flagged`` by
-    the estimator's reset counter.
+    downwards. ``link_delay``: s there and back, None where it is not known; ``needs``: of the link. ``jump``: m that
+    the position jumped, ``flagged`` by the estimator's reset counter.
     ``velocity_off`` m/s, ``rates_off`` rad/s: how far position and velocity, and attitude and rates, disagree.
     ``same_place``, ``same_attitude``: the last state repeated those of the one before, although it moves, or turns.
     ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
@@ -105,9 +89,8 @@ class SafetyInputs(NamedTuple):
     saturated: bool = False
     thrust_share: float = 0.0
     sinking: float = 0.0
-    pulled_down: float | None = None
     link_delay: float | None = None
-    link_delay_max: float = LINK_DELAY_MAX
+    needs: LinkNeeds = BY_RATE_LOOP
     jump: float = 0.0
     flagged: bool = True
     velocity_off: float = 0.0
@@ -204,19 +187,17 @@ def thrust_short(s: SafetyInputs, limits: Limits) -> str | None:
 
 
 def thrust_spent(s: SafetyInputs, limits: Limits) -> str | None:
-    """The vehicle sinks at its largest thrust."""
+    """Less thrust comes than is commanded, and there is no more: the vehicle sinks at its largest."""
     if limits.tilt is None or s.thrust_share < THRUST_SPENT or s.sinking < SINKING:
         return None
-    if s.pulled_down < PULLED_DOWN if s.pulled_down is not None else s.path_error < OFF_THE_PATH:
-        return None  # the bottom of a steep curve, flown as it should be
-    return f"the thrust does not answer: it is at its limit, and the vehicle sinks at {s.sinking:.1f} m/s"
+    return _thrust(s, LIFT_SPENT)
 
 
 def delay(s: SafetyInputs, limits: Limits) -> str | None:
     """The link has become slow."""
-    if s.link_delay is None or s.link_delay <= s.link_delay_max:
+    if s.link_delay is None or s.link_delay <= s.needs.delay:
         return None
-    return f"a message takes {s.link_delay:.2f} s there and back, more than {s.link_delay_max:g} s"
+    return f"a message takes {s.link_delay:.2f} s there and back, more than {s.needs.delay:g} s"
 
 
 def _thrust(s: SafetyInputs, ratio: float) -> str | None:
@@ -280,7 +261,7 @@ def behind(s: SafetyInputs, limits: Limits) -> str | None:
 
 
 def slow(s: SafetyInputs, limits: Limits) -> str | None:
-    return None if s.rate is None or s.rate >= SLOW_RATE else f"only {s.rate:.0f} states a second arrive"
+    return None if s.rate is None or s.rate >= s.needs.rate else f"only {s.rate:.0f} states a second arrive"
 
 
 def gaps(s: SafetyInputs, limits: Limits) -> str | None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from companion.flight.conditions import LINK_DELAY_MAX, missing_estimate
+from companion.flight.conditions import missing_estimate
 from companion.flight.conduct import ControlAuthority, Finish, Limits
+from companion.flight.link_needs import BY_RATE_LOOP, LinkNeeds
 from companion.vehicle import KnownStatus, Landed
 
 STATE_GONE = 0.5
@@ -22,7 +23,7 @@ class Standing(NamedTuple):
     """What is known before a flight. ``rate``: Hz of states, None until measured. ``has_state``: one has arrived,
     ``state_age`` s ago. ``clock_pace``: s of the vehicle's clock a second of ours, None until
     measured. ``link_delay``: s, there and back; None until measured;
-    ``link_delay_max``: s of it at most, at the level that is flown."""
+    ``needs``: of the link, at the level that is flown."""
 
     status: KnownStatus
     authority: ControlAuthority
@@ -34,7 +35,7 @@ class Standing(NamedTuple):
     state_age: float | None = 0.0
     clock_pace: float | None = 1.0
     link_delay: float | None = None
-    link_delay_max: float = LINK_DELAY_MAX
+    needs: LinkNeeds = BY_RATE_LOOP
 
 
 def _state(s: Standing) -> str | None:
@@ -58,10 +59,10 @@ def _fresh(s: Standing) -> str | None:
 
 
 def _delay(s: Standing) -> str | None:
-    if s.link_delay is None or s.link_delay <= s.link_delay_max:
+    if s.link_delay is None or s.link_delay <= s.needs.delay:
         return None
     return (
-        f"a message takes {500.0 * s.link_delay:.0f} ms each way (TIMESYNC), {500.0 * s.link_delay_max:.0f} ms at most "
+        f"a message takes {500.0 * s.link_delay:.0f} ms each way (TIMESYNC), {500.0 * s.needs.delay:.0f} ms at most "
         "can be flown with; use a quicker link"
     )
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from companion.flight import conditions
 from companion.flight.conditions import SafetyInputs
 from companion.flight.conduct import TILT_MARGIN, Limits
+from companion.flight.link_needs import BY_RATE_LOOP, SLOW_RATE, WITHOUT_RATE_LOOP
 
 
 class Action(enum.IntEnum):
@@ -125,14 +126,15 @@ ROWS: tuple[Row, ...] = (
         "land it and look at its battery, motors and propellers",
     ),
     Row(
-        f"the thrust is at its limit, and the vehicle sinks at {conditions.SINKING:g} m/s",
+        f"under {100.0 * conditions.LIFT_SPENT:g} % of it comes, it is at its limit, and the vehicle sinks at "
+        f"{conditions.SINKING:g} m/s",
         conditions.thrust_spent,
         0.3,
         Action.HAND_BACK,
         "land it and look at motors, propellers and battery",
     ),
     Row(
-        f"a message takes {conditions.LINK_DELAY_MAX:g} s there and back, {conditions.LATE_AT_MOTORS:g} s at motors",
+        f"a message takes {BY_RATE_LOOP.delay:g} s there and back, {WITHOUT_RATE_LOOP.delay:g} s at motors",
         conditions.delay,
         0.3,
         Action.HAND_BACK,
@@ -178,7 +180,7 @@ ROWS: tuple[Row, ...] = (
         "end what else runs on the computer, or ask for fewer states",
     ),
     Row(
-        f"fewer than {conditions.SLOW_RATE:g} states a second",
+        f"fewer than {SLOW_RATE:g} states a second",
         conditions.slow,
         1.0,
         Action.HAND_BACK,

@@ -7,6 +7,7 @@ import math
 from companion.flight import conditions, preflight, safety
 from companion.flight.bench import fault as bench_fault
 from companion.flight.conduct import ControlAuthority
+from companion.flight.link_needs import NEEDS
 from companion.flight.phases import FLOWN, PHASES, Phase
 from companion.flight.situation import Situation
 from companion.frames import tilt
@@ -58,9 +59,8 @@ def safety_inputs(
         saturated=steered is not None and steered.saturated,
         thrust_share=0.0 if steered is None or not follows else steered.thrust_share,
         sinking=state.v_n[2],
-        pulled_down=None if steered is None or steered.estimates is None else steered.estimates.disturbance[2],
         link_delay=seen.link_delay,
-        link_delay_max=conditions.link_delay_max(plan.level),
+        needs=NEEDS[plan.level],
         jump=watch.jump,
         flagged=watch.flagged,
         same_place=watch.same_place or watch.place_stands,
@@ -72,7 +72,7 @@ def safety_inputs(
         rate=seen.rate,
         gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
         companions=seen.companions,
-        lift_asked=watch.lift.asked if follows and _lift_known(plan, memory) else 0.0,
+        lift_asked=watch.lift.asked if follows and is_lift_judged(plan, memory) else 0.0,
         lift_made=watch.lift.made,
     )
 
@@ -85,7 +85,7 @@ def follows_commands(status: VehicleStatus, now: float) -> bool:
     return mode.known(now) is Mode.OFFBOARD and now - intended.at < FOLLOWS_FOR
 
 
-def _lift_known(plan: Plan, memory: Memory) -> bool:
+def is_lift_judged(plan: Plan, memory: Memory) -> bool:
     """Whether the thrust was followed for long enough that its scale is known, and is to be judged in this phase."""
     known = memory.watch.lift.known > (LIFT_AFTER_AT_ONCE if plan.conduct.at_once else LIFT_AFTER)
     return known and memory.phase in LIFT_WATCHED
@@ -153,7 +153,7 @@ def missing_now(plan: Plan, memory: Memory, seen: Observation, status: KnownStat
         None if memory.state_at is None else now - memory.state_at,
         1.0 if conduct.at_once else seen.clock_pace,
         seen.link_delay,
-        conditions.link_delay_max(plan.level),
+        NEEDS[plan.level],
     ))  # fmt: skip
 
 

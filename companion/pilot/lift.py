@@ -2,11 +2,12 @@
 
     made   = -e_b . (dv/dt - g e3 - air)    from the velocities of its states
     air    = LPF(d) - c v                   drag, and the wind as the estimator has had it for a while
-    asked  = thrust / mass              of the commands, in the vehicle's own scale as it was learned
+    asked  = thrust / mass                  of the commands, in the vehicle's own scale as it was before
 
 Both are smoothed over TIME; what was asked for comes later by what the command and the motors take. Without the air a
 vehicle of much drag that leans by 45 degrees in a wind of 5 m/s seems to lack a third of its thrust. Only level, and
-only what lasts: what pulls it down, or has just come, may be a motor that gives less.
+only what lasts: what pulls it down, or has just come, may be a motor that gives less. The scale is the estimator's with
+SCALE_TIME: it learns within a second or two what a motor has lost, and would then ask for no more.
 """
 
 from __future__ import annotations
@@ -23,44 +24,55 @@ ACTUATION = 0.06
 AIR_TIME = 3.0
 """s, time constant of the disturbance that counts as air: a motor that fails is told long before (engineering choice).
 """
+SCALE_TIME = 20.0
+"""s, time constant in which the scale is taken over: a battery that sags is none of this, a motor that fails is
+(engineering choice)."""
 GAP_MAX = 0.1
 """s between two states beyond which both begin anew."""
 
 
 class Lift(NamedTuple):
     """m/s^2, smoothed: what was ``made`` and what was ``asked`` for; ``acting``: on its way to be. ``known``: s that
-    it was followed without a gap. ``air``: m/s^2, north and east, the disturbance that lasts."""
+    it was followed without a gap. ``air``: m/s^2, north and east, the disturbance that lasts. ``scale``: of the thrust,
+    as it was before."""
 
     made: float = 0.0
     asked: float = 0.0
     acting: float = 0.0
     known: float = 0.0
     air: tuple[float, float] = (0.0, 0.0)
+    scale: float = 1.0
 
 
 NO_LIFT = Lift()
 
 
 def update_lift(
-    lift: Lift, old: VehicleState, new: VehicleState, steered: Steered, mass: float, gravity: float, delay: float
-) -> Lift:
-    """``lift`` after another state. ``steered``: the command before it. ``delay``: s, of the link there and back."""
+    lift: Lift, old: VehicleState, new: VehicleState, steered: Steered, mass: float, gravity: float, delay: float,
+    judged: bool,
+) -> Lift:  # fmt: skip
+    """``lift`` after another state. ``steered``: the command before it. ``delay``: s, of the link there and back.
+    ``judged``: False while the scale is still being found, which is then taken as it is."""
     dt = new.t_boot - old.t_boot
     if not 0.0 < dt < GAP_MAX or new.resets != old.resets:
         return NO_LIFT
     (u, v, w), (a, b, c), r = old.v_n, new.v_n, new.r_nb
-    found = steered.estimates
-    drag, (north, east) = (0.0, (0.0, 0.0)) if found is None else (found.drag, found.disturbance[:2])
-    air = lift.air if lift.known else (north, east)
-    far = dt / (AIR_TIME + dt)
-    air = (air[0] + far * (north - air[0]), air[1] + far * (east - air[1]))
+    found, begins = steered.estimates, lift.known == 0.0
+    drag, (north, east), scale = (
+        (0.0, (0.0, 0.0), 1.0) if found is None else (found.drag, found.disturbance[:2], found.thrust_scale)
+    )
+    air = (north, east) if begins else _towards(lift.air, (north, east), dt / (AIR_TIME + dt))
+    kept = scale if begins or not judged else lift.scale + dt / (SCALE_TIME + dt) * (scale - lift.scale)
     ax, ay = (a - u) / dt + drag * a - air[0], (b - v) / dt + drag * b - air[1]
     made = -(ax * r[2] + ay * r[5] + ((c - w) / dt - gravity) * r[8])
-    asked = steered.thrust_n / mass
-    if lift.known == 0.0:
-        return Lift(made, asked, asked, dt, air)
+    asked = steered.thrust_n / mass * kept / scale
+    if begins:
+        return Lift(made, asked, asked, dt, air, kept)
     k, later = dt / (TIME + dt), dt / (ACTUATION + delay + dt)
     acting = lift.acting + later * (asked - lift.acting)
-    return Lift(
-        lift.made + k * (made - lift.made), lift.asked + k * (acting - lift.asked), acting, lift.known + dt, air
-    )
+    smooth = _towards((lift.made, lift.asked), (made, acting), k)
+    return Lift(*smooth, acting, lift.known + dt, air, kept)
+
+
+def _towards(a: tuple[float, float], b: tuple[float, float], k: float) -> tuple[float, float]:
+    return a[0] + k * (b[0] - a[0]), a[1] + k * (b[1] - a[1])

@@ -20,7 +20,7 @@ from companion.frames import euler_from_rotation
 from companion.law.errors import LawError
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
-from companion.pilot.inputs import safety_inputs
+from companion.pilot.inputs import is_lift_judged, safety_inputs
 from companion.pilot.intake import compared, take_in
 from companion.pilot.lift import update_lift
 from companion.pilot.memory import First, Memory, Observation, Outcome, Progress, StateWatch
@@ -136,7 +136,9 @@ def _compared(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> 
     watch = compared(memory.watch, state)
     if old is None or steered is None:
         return watch
-    return watch._replace(lift=update_lift(watch.lift, old, state, steered, vehicle.mass, vehicle.gravity, delay))
+    judged = is_lift_judged(plan, memory)
+    lift = update_lift(watch.lift, old, state, steered, vehicle.mass, vehicle.gravity, delay, judged)
+    return watch._replace(lift=lift)
 
 
 class Commanded(NamedTuple):

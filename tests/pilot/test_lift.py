@@ -17,19 +17,23 @@ ASKED = G / math.cos(LEAN)
 """m/s^2: holds its height with this lean."""
 
 
+def found(drag: float = 0.0, north: float = 0.0, scale: float = 1.0) -> Any:
+    return SimpleNamespace(drag=drag, disturbance=(north, 0.0, 0.0), thrust_scale=scale)
+
+
 def flown(made: float, wind: float, speed: float, told: float) -> Lift:
     """After 3 s of flying north at ``speed`` (m/s) with a lean of 45 degrees, ``made`` m/s^2 of thrust coming. ``told``:
     m/s^2, the disturbance by the estimator."""
     push = made * math.sin(LEAN) - DRAG * speed + DRAG * wind
     sink = G - made * math.cos(LEAN)
-    steered: Any = SimpleNamespace(thrust_n=ASKED, estimates=SimpleNamespace(drag=DRAG, disturbance=(told, 0.0, 0.0)))
+    steered: Any = SimpleNamespace(thrust_n=ASKED, estimates=found(DRAG, told))
     lift, q = NO_LIFT, from_rotation_vector((0.0, -LEAN, 0.0))
     # a moment of steady flight, again and again: the accelerations of ``made`` at this speed
     for k in range(300):
         t = 0.01 * k
         old = VehicleState(t, (0.0, 0.0, -10.0), (speed, 0.0, 0.0), q, (0.0, 0.0, 0.0), 0)
         new = old._replace(t_boot=t + 0.01, v_n=(speed + 0.01 * push, 0.0, 0.01 * sink))
-        lift = update_lift(lift, old, new, steered, 1.0, G, 0.01)
+        lift = update_lift(lift, old, new, steered, 1.0, G, 0.01, True)
     return lift
 
 
@@ -42,7 +46,7 @@ def test_in_any_wind_a_sound_vehicle_makes_what_is_asked(wind: float, speed: flo
 def test_a_weak_motor_shows_and_a_disturbance_that_comes_with_it_does_not_hide_it() -> None:
     assert flown(0.55 * ASKED, 0.0, 3.0, 0.0).made == pytest.approx(0.55 * ASKED, rel=0.03)
     lift = NO_LIFT
-    steered: Any = SimpleNamespace(thrust_n=ASKED, estimates=SimpleNamespace(drag=0.0, disturbance=(0.0, 0.0, 0.0)))
+    steered: Any = SimpleNamespace(thrust_n=ASKED, estimates=found())
     q = from_rotation_vector((0.0, -LEAN, 0.0))
     for k in range(350):
         made = ASKED if k < 300 else 0.55 * ASKED
@@ -50,5 +54,17 @@ def test_a_weak_motor_shows_and_a_disturbance_that_comes_with_it_does_not_hide_i
             steered.estimates.disturbance = (-0.45 * ASKED * math.sin(LEAN), 0.0, 0.0)
         old = VehicleState(0.01 * k, (0.0, 0.0, -10.0), (0.0, 0.0, 0.0), q, (0.0, 0.0, 0.0), 0)
         v = (0.01 * made * math.sin(LEAN), 0.0, 0.01 * (G - made * math.cos(LEAN)))
-        lift = update_lift(lift, old, old._replace(t_boot=0.01 * k + 0.01, v_n=v), steered, 1.0, G, 0.01)
+        lift = update_lift(lift, old, old._replace(t_boot=0.01 * k + 0.01, v_n=v), steered, 1.0, G, 0.01, True)
     assert lift.made < 0.7 * lift.asked
+
+
+def test_what_the_estimator_has_learned_of_a_loss_does_not_hide_it_either() -> None:
+    """Half the thrust is gone and the scale is known at once: what is told is made, and still it is half."""
+    lift, q = NO_LIFT, (1.0, 0.0, 0.0, 0.0)
+    for k in range(400):
+        scale = 1.0 if k < 300 else 0.5
+        steered: Any = SimpleNamespace(thrust_n=G * scale, estimates=found(scale=scale))
+        old = VehicleState(0.01 * k, (0.0, 0.0, -10.0), (0.0, 0.0, 0.0), q, (0.0, 0.0, 0.0), 0)
+        new = old._replace(t_boot=0.01 * k + 0.01, v_n=(0.0, 0.0, 0.01 * G * (1.0 - scale)))
+        lift = update_lift(lift, old, new, steered, 1.0, G, 0.01, True)
+    assert lift.made == pytest.approx(0.5 * lift.asked, rel=0.05)
