@@ -101,6 +101,18 @@ class Allocation:
         """(thrust N, torques N m) of rotor commands."""
         return _times(self._to_wrench, commands)
 
+    def weakest(self, u: Four, missing: tuple[float, float]) -> float:
+        """The share of its thrust that the weakest rotor gives, 1 at most: where ``u`` (N, N m) was asked of sound ones
+        and ``missing`` (N m) of its roll and pitch did not come, it is the one that sits where the frame dips."""
+        mx, my = missing
+        dips = [
+            ((my * x - mx * y) / (x * x + y * y), rotor.thrust_max * command)
+            for rotor, command in zip(self.vehicle.rotors, self.commands(u), strict=True)
+            for x, y, _ in (rotor.position_b,)
+        ]
+        lost, asked = max(dips)
+        return 1.0 - max(lost, 0.0) / asked if asked > lost else 0.0
+
     def allocate(self, u: Four) -> Allocated:
         """Commands within their ranges, giving up yaw first, then thrust, then roll and pitch.
 

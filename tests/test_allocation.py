@@ -100,3 +100,16 @@ def test_rotors_that_cannot_yaw_are_refused() -> None:
     same = tuple(dataclasses.replace(rotor, spin=Spin.CW) for rotor in x500.rotors)
     with pytest.raises(AllocationError, match="cannot make every"):
         _ = Allocation(dataclasses.replace(x500, rotors=same)).inverse
+
+
+@pytest.mark.parametrize("name", ["x500", "sih"])
+@pytest.mark.parametrize("weak", range(4))
+def test_the_weakest_rotor_is_told_from_where_the_frame_dips(name: str, weak: int) -> None:
+    vehicle = load_vehicle(name)
+    allocation = Allocation(vehicle)
+    asked = (vehicle.weight, 0.05, -0.08, 0.01)
+    commands = list(allocation.commands(asked))
+    commands[weak] *= 0.5
+    _, roll, pitch, _ = allocation.wrench((commands[0], commands[1], commands[2], commands[3]))
+    assert allocation.weakest(asked, (asked[1] - roll, asked[2] - pitch)) == pytest.approx(0.5)
+    assert allocation.weakest(asked, (0.0, 0.0)) == 1.0

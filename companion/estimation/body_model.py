@@ -26,8 +26,8 @@ TURN_OBSERVER = (12.0, 36.0)
 quarter of that in the rates."""
 TURN_OBSERVER_STEP_MAX = 0.03
 """s, the longest step of the observer (explicit Euler), which keeps it stable at low rates."""
-TRIM_MAX = 20.0
-"""rad/s^2, the largest trim. Engineering choice: a fifth of what a motor can turn a small quadrotor with."""
+TRIM_MAX = 40.0
+"""rad/s^2, the largest trim. Engineering choice: a motor of an x500 that is dead."""
 
 
 class Body(NamedTuple):

@@ -49,6 +49,9 @@ FENCE_AHEAD = 1.0
 """m before the vehicle's own fence, which PX4 would act on (engineering choice)."""
 FAR_OFF = 1.0
 """m from the path that a vehicle may be for a while and not for good (engineering choice)."""
+ROTOR_WEAK = 0.65
+"""The share of its thrust that a rotor gives, below which it does not answer, where the turning of the body tells it
+(engineering choice: yaw has no room from there on)."""
 LIFT_SPENT, THRUST_SPENT, SINKING = 0.9, 0.94, 0.8
 """The ratio below which thrust is named where it is at its limit (of the largest), and the vehicle sinks (m/s). One
 motor at half its thrust comes to this within 0.5 s; a sound vehicle at the bottom of a steep curve sinks at full thrust
@@ -71,7 +74,7 @@ class SafetyInputs(NamedTuple):
     ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
     together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``gaps``: in the states,
     of the last while. ``companions``: others that speak on the link. ``lift_asked``, ``lift_made``: m/s^2 of thrust
-    that is commanded and that comes; 0 where that is not followed.
+    that is commanded and that comes; 0 where that is not followed. ``rotor_left``: see Steered.
     """
 
     status: KnownStatus
@@ -104,6 +107,7 @@ class SafetyInputs(NamedTuple):
     companions: int = 0
     lift_asked: float = 0.0
     lift_made: float = 0.0
+    rotor_left: float = 1.0
 
 
 def missing_estimate(flags: int | None) -> str | None:
@@ -182,7 +186,11 @@ def thrust_gone(s: SafetyInputs, limits: Limits) -> str | None:
 
 
 def thrust_short(s: SafetyInputs, limits: Limits) -> str | None:
-    """Less thrust comes than is commanded."""
+    """Less thrust comes than is commanded, of all rotors or of one."""
+    if s.rotor_left < ROTOR_WEAK and s.lift_asked > 0.0 and not s.still:
+        return (
+            f"thrust does not answer (a motor or propeller): one gives {100.0 * s.rotor_left:.0f} % of what it is told"
+        )
     return _thrust(s, LIFT_SHORT)
 
 

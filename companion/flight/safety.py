@@ -119,7 +119,8 @@ ROWS: tuple[Row, ...] = (
         "land it and look at its battery, motors and propellers",
     ),
     Row(
-        f"under {100.0 * conditions.LIFT_SHORT:g} % of the thrust that is commanded comes",
+        f"under {100.0 * conditions.LIFT_SHORT:g} % of the thrust that is commanded comes, or under "
+        f"{100.0 * conditions.ROTOR_WEAK:g} % of one motor's at motors",
         conditions.thrust_short,
         0.25,
         Action.ABORT,

@@ -74,6 +74,7 @@ def safety_inputs(
         companions=seen.companions,
         lift_asked=watch.lift.asked if follows and is_lift_judged(plan, memory) else 0.0,
         lift_made=watch.lift.made,
+        rotor_left=1.0 if steered is None else steered.rotor_left,
     )
 
 

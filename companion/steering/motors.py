@@ -245,7 +245,13 @@ class MotorSteering:
             converged=estimate.motion.estimator.converged or not self._observes,
             pace=memory.governor.value,
             estimates=estimates_of(estimate.motion, timing.delay, timing.lag) if self._observes else None,
+            rotor_left=self._rotor_left(estimate) if self._observes else 1.0,
         )
+
+    def _rotor_left(self, estimate: MotorEstimate) -> float:
+        """The trim, as what a single rotor does not give."""
+        (jx, jy, _), (tp, tq, _) = self.vehicle.inertia, estimate.body_state.trim
+        return self.allocation.weakest(estimate.body_state.acting, (-jx * tp, -jy * tq))
 
     def _levelling_torque(self, state: VehicleState) -> Vec3:
         """N m: a PD law on the thrust axis, critically damped, without a heading."""

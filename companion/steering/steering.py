@@ -55,6 +55,7 @@ class Steered(NamedTuple):
     ``saturated``: whether a limit was met. ``thrust_share``: of the largest thrust. ``converged``: whether the scale of
     the thrust is known well enough to follow a path. ``pace``: the share of the mission's speed that was asked for,
     less than 1 where the vehicle could not fly the path at it. ``estimates``: None where the level has none.
+    ``rotor_left``: the share of its thrust that the weakest rotor gives, where the level can tell.
     """
 
     setpoint: Setpoint
@@ -68,6 +69,7 @@ class Steered(NamedTuple):
     converged: bool = True
     pace: float = 1.0
     estimates: Estimates | None = None
+    rotor_left: float = 1.0
 
 
 class Steering(Protocol):

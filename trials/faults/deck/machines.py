@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from companion.flight.phases import Phase
-from companion.vehicle import OutputLevel
 from companion.world.events import Hold, MotorFailure, Push, When
 from trials.faults.case import Begin, Case, End
-
-BY_PX4 = (OutputLevel.RATES, OutputLevel.ATTITUDE)
-"""The levels at which PX4's own rate loop makes up for a weak motor."""
 
 CASES = (
     Case("one motor at 50 %", End.HELD, "motor|thrust", phase=Phase.FOLLOW, loses_thrust=True, within=3.0,
          or_end=(End.ENDED,), events=(MotorFailure(When(2.0), 1, 0.5),)),
     Case("one motor at 50 %, joining", End.HELD, "motor|thrust", phase=Phase.JOIN, begin=Begin.BESIDE, loses_thrust=True,
          within=3.0, or_end=(End.ENDED,), events=(MotorFailure(When(1.5), 3, 0.5),)),
-    Case("one motor at 80 %", End.FLOWN, phase=Phase.FOLLOW, events=(MotorFailure(When(2.0), 2, 0.8),), levels=BY_PX4),
+    Case("one motor at 80 %", End.FLOWN, phase=Phase.FOLLOW, events=(MotorFailure(When(2.0), 2, 0.8),)),
     Case("one motor dead", End.ENDED, "motor|propeller|thrust", phase=Phase.FOLLOW, loses_thrust=True, within=1.0,
          events=(MotorFailure(When(2.0), 1),), watched_for=0.0),
     Case("every motor at 85 %", End.FLOWN, phase=Phase.FOLLOW, events=(MotorFailure(When(2.0), None, 0.85),)),
