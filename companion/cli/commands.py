@@ -119,6 +119,9 @@ def sim(
     udp: Annotated[
         bool, typer.Option("--udp", help="Run vehicle and companion as two processes over UDP, in real time.")
     ] = False,
+    xrce: Annotated[
+        bool, typer.Option("--xrce", help="The vehicle is a stock PX4: motors and torques go to its XRCE client.")
+    ] = False,
     record: Record = None,
     report: Report = True,
     json: Json = False,
@@ -151,6 +154,7 @@ def sim(
         duration=duration,
         directory=record or new_directory(sortie.mission.name),
         ending=Ending(json, settle, report),
+        xrce=xrce,
     )
     raise typer.Exit((over_udp if udp else in_lockstep)(simulation))
 

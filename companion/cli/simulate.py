@@ -90,29 +90,33 @@ class _Journal:
 
 def over_udp(simulation: Simulation) -> int:
     """Fly with the plant as a process of its own, over loopback in real time; the exit code."""
-    port = UdpPort("127.0.0.1", 0, listen=True)
-    with contextlib.closing(port), ending_signals(say) as signals:
+    with contextlib.ExitStack() as stack:
+        ports = [stack.enter_context(contextlib.closing(UdpPort("127.0.0.1", 0, listen=True)))]
+        if simulation.xrce:
+            ports.append(stack.enter_context(contextlib.closing(UdpPort("127.0.0.1", 0, listen=True))))
+        signals = stack.enter_context(ending_signals(say))
         recorder = begin_record(simulation.directory, simulation.sortie, time.time() - clock(), simulation.simulated)
-        return exit_code_of(lambda: _over_udp(simulation, port, recorder, signals), recorder, simulation.ending)
+        return exit_code_of(lambda: _over_udp(simulation, ports, recorder, signals), recorder, simulation.ending)
 
 
-def _over_udp(simulation: Simulation, port: UdpPort, recorder: Recorder, signals: Signals) -> int:
+def _over_udp(simulation: Simulation, ports: list[UdpPort], recorder: Recorder, signals: Signals) -> int:
+    """``ports``: of MAVLink and, where it is flown over that, of XRCE."""
     conductor = Conductor(orders_of(simulation), recorder, clock())
     # a session of its own: Ctrl-C must not take the vehicle away before it has been handed back
-    plant = subprocess.Popen(_plant_command(simulation, recorder, port), start_new_session=True)
+    plant = subprocess.Popen(_plant_command(simulation, recorder, ports), start_new_session=True)
     listen_to(signals, conductor, recorder)
     signals.at_once.insert(0, plant.kill)
     teller = _Teller(_story(simulation), conductor)
     teller.start()
     try:
-        failure = run(conductor, port, recorder, say, WAIT_FOR_PLANT)
+        failure = run(conductor, ports[0], recorder, say, WAIT_FOR_PLANT, xrce=ports[-1] if simulation.xrce else None)
     finally:
         teller.finish()
         _end(plant)
     return finish(conductor, recorder, simulation.ending, Ended(clock(), bool(signals.came), failure))
 
 
-def _plant_command(simulation: Simulation, recorder: Recorder, port: UdpPort) -> list[str]:
+def _plant_command(simulation: Simulation, recorder: Recorder, ports: list[UdpPort]) -> list[str]:
     """What starts the plant."""
     sortie = simulation.sortie
     copy = simulation.directory / "vehicle.yaml"
@@ -121,10 +125,12 @@ def _plant_command(simulation: Simulation, recorder: Recorder, port: UdpPort) ->
     home = f"{world.home.latitude!r},{world.home.longitude!r},{world.home.altitude!r}"
     command = [
         *(sys.executable, "-m", "sim_bridge", "--vehicle", vehicle_file, "--world", simulation.simulated.file),
-        *("--connect", f"udpout://127.0.0.1:{port.local[1]}", "--ground-station", "none"),
+        *("--connect", f"udpout://127.0.0.1:{ports[0].local[1]}", "--ground-station", "none"),
         *("--home", home, "--seed", str(simulation.simulated.seed), "--truth", str(recorder.path("truth.npy"))),
     ]
-    if sortie.level is OutputLevel.MOTORS:
+    if simulation.xrce:
+        command += ["--xrce-agent", f"127.0.0.1:{ports[1].local[1]}"]
+    elif sortie.level is OutputLevel.MOTORS:
         command += ["--motors", "direct"]
     if not simulation.from_ground:
         start = start_of(mission)

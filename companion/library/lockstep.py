@@ -14,6 +14,7 @@ from companion.mavlink.peer import Received
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
 from sim_bridge.strangers import source
+from sim_bridge.world_events import XRCE
 
 COMPANION_ENDPOINT = 0
 """The bridge's endpoint for the companion."""
@@ -55,7 +56,7 @@ def fly(
 def _exchange(conductor: Conductor, flown: Conductor | LastResort, bridge: Bridge) -> None:
     """Everything that the two have to say to each other at this moment."""
     now = bridge.now
-    arrived = _arrived(bridge)
+    arrived = _arrived(conductor, bridge, now)
     while arrived or now >= flown.next_timer():
         if arrived:
             flown.receive(arrived, now)
@@ -64,18 +65,29 @@ def _exchange(conductor: Conductor, flown: Conductor | LastResort, bridge: Bridg
         _send(conductor, flown, bridge)
         flown.sent()
         _send(conductor, flown, bridge)
-        arrived = _arrived(bridge)
+        arrived = _arrived(conductor, bridge, now)
         if flown.done:
             break
 
 
-def _arrived(bridge: Bridge) -> list[Received]:
-    """What came for the companion: from the vehicle's endpoint, or from strangers beside it."""
-    return [
-        (data, source(endpoint, bridge.ports_dialled))
-        for endpoint, data in bridge.datagrams()
-        if endpoint != GROUND_STATION_ENDPOINT
-    ]
+def _arrived(conductor: Conductor, bridge: Bridge, now: float) -> list[Received]:
+    """What came for the companion: from the vehicle's endpoint, or from strangers beside it. What the vehicle's XRCE
+    client has to say is heard and answered until neither side has more."""
+    found: list[Received] = []
+    xrce = conductor.xrce
+    while True:
+        said = bridge.datagrams()
+        for endpoint, data in said:
+            if endpoint == XRCE:
+                if xrce is not None:
+                    xrce.receive(data, now)
+            elif endpoint != GROUND_STATION_ENDPOINT:
+                found.append((data, source(endpoint, bridge.ports_dialled)))
+        answers = [] if xrce is None else xrce.datagrams(now)
+        if not answers:
+            return found
+        for answer in answers:
+            bridge.receive(answer, XRCE)
 
 
 def _send(conductor: Conductor, flown: Conductor | LastResort, bridge: Bridge) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from companion.daemon.conductor import Conductor, Orders
@@ -21,6 +21,7 @@ from companion.record.circumstances import Simulated
 from companion.record.folder import Recorder
 from companion.vehicle import OutputLevel
 from companion.world import Home, Start, World
+from sim_bridge.autopilot.xrce import Release
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
 from sim_bridge.truth_file import TruthFile
@@ -37,12 +38,14 @@ LONGEST = 3600.0
 
 @dataclass(frozen=True)
 class SimulatedFlight:
-    """One flight in a world. ``from_ground``: it begins on the ground, disarmed. ``duration``: s of following."""
+    """One flight in a world. ``from_ground``: it begins on the ground, disarmed. ``duration``: s of following.
+    ``xrce``: the vehicle is a stock PX4 with an XRCE client, and motors and torques go there."""
 
     sortie: Sortie
     simulated: Simulated
     from_ground: bool
     duration: float | None
+    xrce: bool = field(default=False, kw_only=True)
 
 
 class Flown(NamedTuple):
@@ -64,10 +67,11 @@ def in_lockstep(
         sortie.vehicle,
         world,
         seed=flight.simulated.seed,
-        direct=sortie.level is OutputLevel.MOTORS,
+        direct=sortie.level is OutputLevel.MOTORS and not flight.xrce,
         start=None if flight.from_ground else start_of(mission),
         landed=flight.from_ground,
         endpoints=1,
+        xrce=Release.MAIN if flight.xrce else None,
     )
     conductor = Conductor(orders_of(flight), recorder, bridge.now)
     look = begun(conductor)
@@ -124,5 +128,7 @@ def orders_of(flight: SimulatedFlight) -> Orders:
         Origin.LOCAL,
         auto=sortie.auto,
         set_parameters=True,
+        over_xrce=flight.xrce and sortie.level.without_rate_loop,
+        has_xrce=flight.xrce,
         conduct=Conduct(at_once=sortie.mission.start is not None),
     )

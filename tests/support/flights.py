@@ -22,19 +22,23 @@ from companion.profiles import ConstantSpeed
 from companion.record.folder import Recorder, Source
 from companion.vehicle import MotorInterface, OutputLevel, Setpoint
 from companion.world import Start, World
+from sim_bridge.autopilot.xrce import Release
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
+from sim_bridge.world_events import XRCE
 
 COMPANION, GROUND_STATION = 0, 1
 
 
 class Between:
-    """Stands between companion and plant with the plant's own doors: every datagram passes through two filters."""
+    """Stands between companion and plant with the plant's own doors: every datagram passes through two filters, what is
+    XRCE's apart. ``dead``: neither hears the other any more."""
 
     def __init__(self, bridge: Bridge) -> None:
         self.bridge = bridge
         self.down: Callable[[bytes, float], list[bytes]] = lambda data, now: [data]
         self.up: Callable[[bytes, float], list[bytes]] = lambda data, now: [data]
+        self.dead = False
         self.sent: list[tuple[float, Frame]] = []
         self._decoder = Decoder()
 
@@ -56,11 +60,18 @@ class Between:
     def datagrams(self) -> list[tuple[int, bytes]]:
         passed = []
         for endpoint, data in self.bridge.datagrams():
-            if endpoint == COMPANION:
+            if endpoint == XRCE and not self.dead:
+                passed.append((endpoint, data))
+            elif endpoint == COMPANION and not self.dead:
                 passed += [(endpoint, kept) for kept in self.down(data, self.now)]
         return passed
 
     def receive(self, data: bytes, endpoint: int = COMPANION) -> None:
+        if self.dead:
+            return
+        if endpoint == XRCE:
+            self.bridge.receive(data, XRCE)
+            return
         for kept in self.up(data, self.now):
             self.sent += [(self.now, frame) for frame in self._decoder.datagram(kept)]
             self.bridge.receive(kept, endpoint)
@@ -100,21 +111,22 @@ def flight(
     conduct: Conduct | None = None,
     start: Start | None = None,
     origin: Origin = Origin.LOCAL,
+    xrce: bool = False,
     prepare: Callable[[Flown], None] | None = None,
     meddle: Callable[[Flown, float], None] | None = None,
 ) -> Flown:
     """Fly in lockstep. ``prepare`` is called before the first step, ``meddle`` after every step with the time.
-    ``speed``: m/s all along, in the place of the mission's."""
+    ``speed``: m/s all along, in the place of the mission's. ``xrce``: the vehicle is a stock PX4 and has a client."""
     machine = load_vehicle(vehicle)
-    if level is OutputLevel.MOTORS:
+    if level is OutputLevel.MOTORS and not xrce:
         machine = dataclasses.replace(machine, motors=MotorInterface.DIRECT)
     read = load_mission(mission, law_level(level))
     if speed is not None:
         read = dataclasses.replace(read, speed=ConstantSpeed(speed))
     read = flyable(read, machine)
     bridge = Bridge(
-        machine, world or World(), seed=seed, direct=level is OutputLevel.MOTORS,
-        start=None if from_ground else start or start_of(read), landed=from_ground,
+        machine, world or World(), seed=seed, direct=level is OutputLevel.MOTORS and not xrce,
+        start=None if from_ground else start or start_of(read), landed=from_ground, xrce=Release.MAIN if xrce else None,
     )  # fmt: skip
     between = Between(bridge)
     recorder = None
@@ -126,7 +138,10 @@ def flight(
         ]
         recorder = Recorder(record, *sources, epoch=0.0)
     conduct = (conduct or Conduct())._replace(at_once=read.start is not None)
-    orders = Orders(read, machine, level, duration, origin, set_parameters=True, conduct=conduct)
+    orders = Orders(
+        read, machine, level, duration, origin, set_parameters=True, conduct=conduct, has_xrce=xrce,
+        over_xrce=xrce and level.without_rate_loop,
+    )  # fmt: skip
     conductor = Conductor(orders, recorder, 0.0)
     flown = Flown(conductor, between)
     if prepare is not None:

@@ -1,0 +1,58 @@
+"""Whole flights on a stock PX4's XRCE client, the stand-in's, beside rates over MAVLink."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import pytest
+
+from companion.config.world.world import load_world
+from companion.frames import rotation_matrix
+from companion.vehicle import Mode, OutputLevel
+from tests.support.flights import Flown, flight
+
+SETTLED = 8.0
+"""s from the first setpoint until the figures count."""
+
+
+def figure(flown: Flown) -> float:
+    """The path error's root mean square once the flight has settled, m."""
+    begun = flown.setpoints[0][0]
+    errors = [error for t, error in flown.path_errors if t - begun > SETTLED]
+    assert len(errors) > 300, flown.notes
+    return math.sqrt(sum(error * error for error in errors) / len(errors))
+
+
+@cache
+def at_rates(world: str) -> float:
+    return figure(flight("circle_r5", "sih", OutputLevel.RATES, 14.0, world=load_world(world)))
+
+
+@pytest.mark.parametrize("world", ["ideal", "sih"])
+@pytest.mark.parametrize("level", [OutputLevel.MOTORS, OutputLevel.TORQUES])
+def test_the_circle_is_followed_as_closely_as_by_rates(level: OutputLevel, world: str) -> None:
+    flown = flight("circle_r5", "sih", level, 14.0, world=load_world(world), xrce=True)
+    assert flown.reason is None, flown.notes
+    assert figure(flown) < max(1.5 * at_rates(world), 0.02)
+
+
+def test_a_companion_that_dies_on_the_circle_leaves_a_vehicle_that_px4_holds() -> None:
+    """Motors, COM_OF_LOSS_T 0.1 as it is set for the flight."""
+    tilts: list[tuple[float, float, float]] = []
+
+    def meddle(flown: Flown, now: float) -> None:
+        between = flown.between
+        if not flown.setpoints or now - flown.setpoints[0][0] < SETTLED:
+            return
+        upright = rotation_matrix(between.truth.q_nb)[8]
+        held = between.bridge.autopilot.commander.mode is Mode.HOLD
+        tilts.append((now, math.degrees(math.acos(upright)), float(held)))
+        between.dead = True
+
+    flown = flight("circle_r5", "sih", OutputLevel.MOTORS, 60.0, xrce=True, time_out=45.0, meddle=meddle)
+    assert flown.between.dead, flown.notes
+    killed_at, tilt, _ = tilts[0]
+    took = next(now for now, _, held in tilts if held) - killed_at
+    assert took < 0.23
+    assert max(each for _, each, _ in tilts) < tilt + 15.0
