@@ -22,7 +22,10 @@ from pymavlink.dialects.v20 import development as mavlink
 from companion.mavlink.modes import Mode
 from companion.world import Start, World
 from companion.world.events import Operator, Order, PortChange, Stranger, When
+from companion.xrce.messages import CreateClient, GetInfo, Info
+from companion.xrce.wire import Message, decode, encode
 from sim_bridge import __main__ as command_line
+from sim_bridge.autopilot.xrce import Release
 from sim_bridge.server import Endpoint, EndpointError, Server, endpoint_of
 from sim_bridge.truth_file import BLOCK, HEADER_SIZE, TruthFile, header
 from tests.support.plant_client import Client
@@ -120,6 +123,7 @@ def test_signals_end_it_cleanly(peer: Peer, tmp_path: Path, number: signal.Signa
     [
         (["--vehicle", "nothing"], "no vehicle of this name"),
         (["--world", "nowhere"], "no world of this name"),
+        (["--xrce-agent", "nowhere"], "expected HOST:PORT"),
         (["--connect", "tcp://1.2.3.4:5"], "--connect: 'tcp://1.2.3.4:5' is no connection the plant can make"),
         (["--connect", "udpin://127.0.0.1"], "names no host and port"),
         (["--connect", "udpin://127.0.0.1:99999"], "has no port between 1 and 65535"),
@@ -170,6 +174,26 @@ def test_endpoints_of_urls() -> None:
     assert endpoint_of("udpout://192.0.2.7:14540").bind[0] == "0.0.0.0"
     with pytest.raises(EndpointError, match="expected udpin"):
         endpoint_of("serial:///dev/ttyAMA0:921600")
+
+
+def test_its_xrce_client_calls_the_agent() -> None:
+    client = Client("sih", endpoints=1, xrce=Release.MAIN)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as agent:
+        agent.bind(("127.0.0.1", 0))
+        agent.settimeout(10.0)
+        server = Server(client.bridge, [Endpoint(("127.0.0.1", 0), None)], agent=agent.getsockname(), log=len)
+        steps = iter(range(40))
+        try:
+            server.run(lambda: next(steps) == 10)
+            data, of_client = agent.recvfrom(512)
+            (ping,) = decode(data).submessages
+            assert isinstance(ping, GetInfo)
+            agent.sendto(encode(Message(0x80, 0, 0, (Info(ping.request, ping.object, True),))), of_client)
+            server.run(lambda: next(steps) == 30)
+            (asked,) = decode(agent.recvfrom(512)[0]).submessages
+            assert isinstance(asked, CreateClient)
+        finally:
+            server.close()
 
 
 def test_the_first_to_call_is_the_partner_from_then_on(peer: Peer) -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
+from tests.support.plant_client import REQUEST
 from tests.support.xrce_agent import XrceClient, at_rates, check_reply, rates, registration, unregistration
 
 FIRST = 23
@@ -39,6 +41,10 @@ def test_a_mode_is_registered_asked_selected_and_taken_away() -> None:
     ((_, reply),) = vehicle.samples["register_ext_component_reply_v1"]
     assert reply[16:20] == b"Path"
     assert (reply[44], reply[45], reply[46], reply[47]) == (1, 0, FIRST, 255)
+    assert vehicle.command(REQUEST, message("AVAILABLE_MODES").id, 0) == 0
+    assert [mode["custom_mode"] for mode in vehicle.all("AVAILABLE_MODES") if mode["mode_name"] == "Path"] == [
+        Mode.EXTERNAL1.custom_mode
+    ]
     assert vehicle.mode(Mode.EXTERNAL1) == 0
     vehicle.write(at_rates(FIRST))
     vehicle.run(1.0, vehicle.turn)

@@ -200,7 +200,7 @@ class Link:
         if not 0 <= index <= len(AVAILABLE):
             return False
         for i in range(1, len(AVAILABLE) + 1) if index == 0 else (index,):
-            self.emit(_AVAILABLE_MODES, available_mode(i))
+            self.emit(_AVAILABLE_MODES, available_mode(self._autopilot, i))
         return True
 
     def _link_node_status(self, autopilot: Autopilot) -> Values:

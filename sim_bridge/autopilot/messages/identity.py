@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from companion.mavlink.dialect import message
-from companion.mavlink.modes import Mode
+from companion.mavlink.modes import Mode, mode_of
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.flight_modes.setpoints import BELOW_ATTITUDE
 from sim_bridge.autopilot.mavlink.files import GENERAL_METADATA, GENERAL_METADATA_URI
@@ -120,9 +120,12 @@ AVAILABLE = (
 """What AVAILABLE_MODES lists, in its order."""
 
 
-def available_mode(index: int) -> Values:
-    """AVAILABLE_MODES number ``index``, counted from 1."""
+def available_mode(a: Autopilot, index: int) -> Values:
+    """AVAILABLE_MODES number ``index``, counted from 1. A mode that somebody brought has his name."""
     mode = AVAILABLE[index - 1]
+    brought = a.commander.external_modes.of(mode_of(mode.main << 16 | mode.sub << 24))
+    if brought is not None:
+        mode = mode._replace(properties=0, name=brought.name.rstrip(b"\0").decode("ascii", "replace"))
     return message("AVAILABLE_MODES").values(
         number_modes=len(AVAILABLE), mode_index=index, standard_mode=mode.standard,
         custom_mode=mode.main << 16 | mode.sub << 24, properties=mode.properties, mode_name=mode.name,
