@@ -252,8 +252,9 @@ def demo(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Fly the paper's circle (r 10 m, 3 m/s) on an x500: begun off the path, held still once and let go; and write the
-    report. Plant and daemon are two processes on this computer."""
+    """Fly the paper's circle: begun off the path, held still once and let go; and write the report.
+
+    On an x500, r 10 m, 3 m/s; plant and daemon are two processes on this computer."""
     from companion.cli.demo import demo as show
 
     raise typer.Exit(show(fast=fast, plain=plain, output=output, record=record, as_json=json))

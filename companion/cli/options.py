@@ -121,7 +121,7 @@ Forward = Annotated[
     typer.Option(
         "--forward",
         metavar="URL",
-        help="Share the vehicle's link with udpout://HOST:PORT[?max_hz=HZ][&commands=yes]; may be repeated.",
+        help="Share the vehicle's link with udpout://HOST:PORT (?max_hz=HZ and &commands=yes may follow); repeat it.",
         show_default="nobody",
     ),
 ]
