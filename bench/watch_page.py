@@ -77,7 +77,7 @@ class Page:
 
 @contextlib.asynccontextmanager
 async def opened(session: ClientSession) -> AsyncIterator[Page]:
-    for _ in range(100):
+    for _ in range(300):
         with contextlib.suppress(OSError):
             async with session.put(f"http://127.0.0.1:{DEBUG_PORT}/json/new?{URL}") as answer:
                 target = await answer.json()

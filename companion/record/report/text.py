@@ -17,6 +17,8 @@ NBSP = "\N{NO-BREAK SPACE}"
 NED = ("north", "east", "down")
 HAPPENED_MAX = 8
 """Events that are told in sentences (engineering choice)."""
+AT_FIRST = 0.1
+"""s of following within which an error is what there was before (engineering choice)."""
 LARGE = 0.02
 """m of path error whose cause is worth a sentence (engineering choice)."""
 RECOVERY = 5.0
@@ -72,6 +74,8 @@ def _largest(evidence: Evidence) -> list[str]:
     ]
     if during:
         cause = during[0].what
+    elif told["since"][index] < AT_FIRST:
+        cause = "the vehicle was that far from the path when following began"
     else:
         push = [told.get(f"push_{axis}", np.full(1, np.nan))[index % max(1, len(told["t"]))] for axis in NED]
         strength = float(np.linalg.norm(push))
