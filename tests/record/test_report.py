@@ -148,9 +148,10 @@ def test_ids_are_the_pages_own(flown: Path) -> None:
 def test_every_figure_is_there_with_its_sentence(flown: Path) -> None:
     text = (flown / "report.html").read_text(encoding="utf-8")
     names = re.findall(r'<figure id="figure-([\w-]+)">', text)
-    assert names == ["above", "space", "errors-time", "errors-path", "speed-yaw", "motion", "motion-late"]
+    drawn = ["above", "space", "errors-time", "errors-path", "speed-yaw", "motion", "motion-late"]
+    assert names == [*drawn, "machine", "surroundings"]  # at motors too the vehicle is estimated
     captions = re.findall(r"<figcaption><b>Figure (\d+)\.</b> (.*?)</figcaption>", text)
-    assert [int(number) for number, _ in captions] == list(range(1, 8))
+    assert [int(number) for number, _ in captions] == list(range(1, 10))
     assert all(caption.endswith(".") and caption.count(". ") <= 1 for _, caption in captions)
     for label in ("east, m", "north, m", "up, m", "speed, m/s", "path error, cm", "G1 path error, cm",
                   "G2 speed error, m/s", "G3 yaw error, deg", "displacement along the path s, m", "Thrust, N",
@@ -237,7 +238,7 @@ def test_a_killed_flight_is_told_from_its_record(copy: Path) -> None:
     reader = read(copy)
     assert "the record ends in the middle of the flight" in reader.text and "(follow)" in reader.text
     assert "The folder holds no summary" in reader.text
-    assert reader.tags.count("figure") == 6
+    assert reader.tags.count("figure") == 8
 
 
 def test_a_flight_whose_summary_was_cut_short_keeps_its_outcome(copy: Path) -> None:
