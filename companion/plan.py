@@ -21,6 +21,7 @@ from companion.steering.encoding import AsRates, as_attitude
 from companion.steering.speed_governor import Course, course_of
 from companion.steering.steering import Steering
 from companion.steering.torques import torque_steering
+from companion.steering.yaw import thrust_per_rate
 from companion.vehicle import OutputLevel, Tuning, Vehicle
 
 HOVER_THRUST = 0.5
@@ -152,4 +153,5 @@ def _steering(
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
     prior = prior_of(learned, hover, vehicle.drag)
-    return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag, heading)
+    per_rate = thrust_per_rate(tuning)
+    return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag, heading, per_rate)

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from companion.estimation.rate_loop_model import (
     STEP,
-    YAW_LAG,
     YAW_TORQUE_LAG,
     RateLoop,
     RateLoopState,
@@ -57,7 +56,7 @@ def predict(
     half = 0.5 * h
     damping = 1.0 - half * forces.drag  # drag acts on the velocity in the middle of the step
     yy, yd, dy, dd, ay, ad = axis_transition(rate_loop.lag, rate_loop.motor_lag, h)
-    zz, zd, ez, ed, az, bz = axis_transition(YAW_LAG, YAW_TORQUE_LAG, h)
+    zz, zd, ez, ed, az, bz = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)
     left, mean = thrust_transition(rate_loop.motor_lag, h)
     (x, y, z), (vx, vy, vz) = p_n, v_n
     qw, qx, qy, qz = q_nb

@@ -110,16 +110,22 @@ def update_rate_loop_estimate(
     return known._replace(lag=_updated_lag(known, dt), gain=_updated_gain(known, dt))
 
 
-def _updated_lag(known: RateLoopEstimate, dt: float) -> float:
-    """s, drawn towards the minimum of the parabola."""
-    shorter, middle, longer = known.mean_squared_errors
+def step_to_minimum(mean_squared_errors: Vec3) -> float:
+    """From the logarithm of the middle lag to the minimum of the parabola; 0 where the commands excite too little."""
+    shorter, middle, longer = mean_squared_errors
     curvature = shorter + longer - 2.0 * middle
     if curvature <= EXCITATION_MIN and abs(shorter - longer) <= EXCITATION_MIN:
+        return 0.0
+    if middle <= shorter and middle <= longer and curvature > 0.0:
+        return 0.5 * LOG_SPACING * (shorter - longer) / curvature
+    return math.copysign(LOG_SPACING, shorter - longer)
+
+
+def _updated_lag(known: RateLoopEstimate, dt: float) -> float:
+    """s, drawn towards the minimum of the parabola."""
+    towards = step_to_minimum(known.mean_squared_errors)
+    if towards == 0.0:
         return known.lag
-    inside = middle <= shorter and middle <= longer and curvature > 0.0
-    towards = (
-        0.5 * LOG_SPACING * (shorter - longer) / curvature if inside else math.copysign(LOG_SPACING, shorter - longer)
-    )
     lag = known.lag * math.exp(towards * dt / FOLLOW_TIME)
     return max(known.prior * LAG_RATIO_MIN, min(known.prior * LAG_RATIO_MAX, lag))
 

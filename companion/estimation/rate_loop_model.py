@@ -21,9 +21,8 @@ YAW_LAG = 0.43
 """s, of the yaw rate loop. PX4's default gains (MC_YAWRATE_P 0.2) on its simulated quadrotor: t63 measured there."""
 YAW_TORQUE_LAG = 0.07
 """s, of the yaw torque. PX4's default filter on it (MC_YAW_TQ_CUTOFF 2 Hz)."""
-YAW_OBSERVER = (9.7, 20.0, 15.4)
-"""1/s, 1/s^2, 1/s: gains from the gyro's innovation to yaw rate, its derivative and the trim. All three poles of the
-observer at -8 1/s for the two lags above (pole placement)."""
+YAW_OBSERVER_POLE = 8.0
+"""1/s: where all three poles of the yaw observer lie, as -8."""
 YAW_TRIM_MAX = 1.0
 """rad/s, the largest trim. Engineering choice: the yaw rates that are asked for are at most 1.5."""
 GYRO_TIME = 0.03
@@ -77,10 +76,12 @@ class RateLoopState(NamedTuple):
 
 
 class RateLoop(NamedTuple):
-    """The model's figures. ``lag``: s, of the roll and pitch rate loops. ``motor_lag``: s."""
+    """The model's figures. ``lag``: s, of the roll and pitch rate loops. ``motor_lag``: s. ``yaw_lag``: s, of the yaw
+    rate loop."""
 
     lag: float
     motor_lag: float
+    yaw_lag: float = YAW_LAG
 
 
 class AxisTransition(NamedTuple):
@@ -141,7 +142,7 @@ def propagate(
     if h <= 0.0:
         return rate_loop_state, rate_loop_state.specific_thrust
     tilting = axis_transition(rate_loop.lag, rate_loop.motor_lag, h)
-    turning = axis_transition(YAW_LAG, YAW_TORQUE_LAG, h)
+    turning = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)
     left, mean = thrust_transition(rate_loop.motor_lag, h)
     total = 0.0
     for k in range(steps):
@@ -183,14 +184,25 @@ def active_command(commands: tuple[Timed, ...], t: float) -> Timed:
     return commands[0]
 
 
-def correct_with_gyro(rate_loop_state: RateLoopState, measured_b: Vec3, dt: float) -> RateLoopState:
-    """The observer's correction by the gyro (rad/s), ``dt`` s after the last one."""
+@lru_cache(maxsize=64)
+def yaw_observer(yaw_lag: float) -> Vec3:
+    """1/s, 1/s^2, 1/s: gains from the gyro's innovation to yaw rate, its derivative and the trim: those that put the
+    poles of r'' = wn^2 (r_cmd + trim - r) - r' / T, wn^2 = 1 / (yaw_lag T), to YAW_OBSERVER_POLE."""
+    p, decay, wn2 = YAW_OBSERVER_POLE, 1.0 / YAW_TORQUE_LAG, 1.0 / (yaw_lag * YAW_TORQUE_LAG)
+    l1 = 3.0 * p - decay
+    return l1, 3.0 * p * p - decay * l1 - wn2, p**3 / wn2
+
+
+def correct_with_gyro(
+    rate_loop_state: RateLoopState, measured_b: Vec3, dt: float, yaw_lag: float = YAW_LAG
+) -> RateLoopState:
+    """The observer's correction by the gyro (rad/s), ``dt`` s after the last one. ``yaw_lag``: s."""
     near = 1.0 - math.exp(-dt / GYRO_TIME)
     far = min(GYRO_ACCELERATION_GAIN * dt, GYRO_ACCELERATION_GAIN_MAX)
     (p, q, r), (pd, qd, rd), specific_thrust, trim = rate_loop_state
     ip, iq, ir = measured_b[0] - p, measured_b[1] - q, measured_b[2] - r
     h = min(dt, GYRO_STEP_MAX)
-    l1, l2, l3 = YAW_OBSERVER
+    l1, l2, l3 = yaw_observer(yaw_lag)
     return RateLoopState(
         (p + near * ip, q + near * iq, r + l1 * h * ir),
         (pd + far * ip, qd + far * iq, rd + l2 * h * ir),

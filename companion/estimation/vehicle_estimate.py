@@ -32,6 +32,12 @@ from companion.estimation.rate_loop_model import (
     correct_with_gyro,
     propagate,
 )
+from companion.estimation.yaw_loop_identification import (
+    YawLoopEstimate,
+    initial_yaw_loop_estimate,
+    reset_yaw_loop,
+    update_yaw_loop_estimate,
+)
 from companion.vehicle import VehicleState
 
 Commands = tuple[TimedCommand, ...]
@@ -44,12 +50,13 @@ class VehicleEstimate(NamedTuple):
     """What is known of the vehicle at the stamp of its last state.
 
     ``motion``: position, velocity, forces. ``rate_loop_state``: of the model. ``identification``: of the rate loop;
-    ``rate_loop``: the figures that are used, on a grid of a millisecond.
+    ``yaw_loop``: of the yaw loop; ``rate_loop``: the figures that are used, on a grid of a millisecond, yaw of ten.
     """
 
     motion: MotionEstimate
     rate_loop_state: RateLoopState
     identification: RateLoopEstimate
+    yaw_loop: YawLoopEstimate
     rate_loop: RateLoop
 
 
@@ -61,14 +68,20 @@ def begin_estimate(
     hovering = gravity / (max(state.r_nb[8], UPRIGHT_MIN) * motion.estimator.belief.thrust_scale)
     identification = initial_rate_loop_estimate(lag, state.w_b, rate_loop.lag)
     rate_loop_state = RateLoopState(state.w_b, (0.0, 0.0, 0.0), hovering)
-    return VehicleEstimate(motion, rate_loop_state, identification, _used(identification, rate_loop.motor_lag))
+    yaw_loop = initial_yaw_loop_estimate(state.w_b[2], rate_loop.yaw_lag)
+    used = _used(identification, rate_loop.motor_lag, rate_loop.yaw_lag)
+    return VehicleEstimate(motion, rate_loop_state, identification, yaw_loop, used)
 
 
 def restart_estimate(estimate: VehicleEstimate, state: VehicleState) -> VehicleEstimate:
     """A beginning at ``state`` that keeps what was learned of the vehicle."""
     rate_loop = estimate.rate_loop
     again = begin_estimate(state, known_prior(estimate.motion), estimate.motion.gravity, rate_loop, rate_loop.lag)
-    return again._replace(identification=reset(estimate.identification, state.w_b), rate_loop=rate_loop)
+    return again._replace(
+        identification=reset(estimate.identification, state.w_b),
+        yaw_loop=reset_yaw_loop(estimate.yaw_loop, state.w_b[2]),
+        rate_loop=rate_loop,
+    )
 
 
 def advance_estimate(
@@ -78,7 +91,7 @@ def advance_estimate(
     somewhere."""
     before, now = estimate.motion.state.t_boot, state.t_boot
     rate_loop_state, thrust = propagate(estimate.rate_loop_state, estimate.rate_loop, commands, before, now)
-    rate_loop_state = correct_with_gyro(rate_loop_state, state.w_b, now - before)
+    rate_loop_state = correct_with_gyro(rate_loop_state, state.w_b, now - before, estimate.rate_loop.yaw_lag)
     motion, at_once = advance_motion(estimate.motion, thrust, state, limited, moving)
     estimate = estimate._replace(motion=motion, rate_loop_state=rate_loop_state)
     return learn_pending(estimate, commands) if at_once else estimate
@@ -94,11 +107,13 @@ def learn_pending(estimate: VehicleEstimate, commands: Commands) -> VehicleEstim
     # what was clipped or restrained did not happen as it was commanded
     if measurement.limited or motion.estimator.restrained:
         found = reset(estimate.identification, state.w_b)
+        yaw_loop = reset_yaw_loop(estimate.yaw_loop, state.w_b[2])
     else:
         found = update_rate_loop_estimate(estimate.identification, motor_lag, commands, state.t_boot, state.w_b)
-    if found.lag != estimate.identification.lag:
-        rate_loop = _used(found, motor_lag)
-    return estimate._replace(motion=motion, identification=found, rate_loop=rate_loop)
+        yaw_loop = update_yaw_loop_estimate(estimate.yaw_loop, commands, state.t_boot, state.w_b[2])
+    if found.lag != estimate.identification.lag or yaw_loop.lag != estimate.yaw_loop.lag:
+        rate_loop = _used(found, motor_lag, yaw_loop.lag)
+    return estimate._replace(motion=motion, identification=found, yaw_loop=yaw_loop, rate_loop=rate_loop)
 
 
 def predict_vehicle(estimate: VehicleEstimate, commands: Commands, horizon: float) -> PredictedState:
@@ -117,5 +132,5 @@ def predict_vehicle(estimate: VehicleEstimate, commands: Commands, horizon: floa
     )
 
 
-def _used(found: RateLoopEstimate, motor_lag: float) -> RateLoop:
-    return RateLoop(round(found.lag, 3), motor_lag)
+def _used(found: RateLoopEstimate, motor_lag: float, yaw_lag: float) -> RateLoop:
+    return RateLoop(round(found.lag, 3), motor_lag, round(yaw_lag, 2))

@@ -15,6 +15,7 @@ from companion.steering.encoding import Encoding
 from companion.steering.motors import MotorSteering
 from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
+from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
 from companion.thrust_range import thrust_range
 from companion.vehicle import Vehicle
 
@@ -36,10 +37,13 @@ def rate_steering(
     course: Course | None = None,
     lag: float | None = None,
     heading: Heading = Heading.PROJECTED,
+    per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE,
 ) -> RateSteering:
     """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
-    ``lag``: s, of its rate loop as last found; None: as its file says."""
-    rate_loop = RateLoop(max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing, vehicle.motor_lag)
+    ``lag``: s, of its rate loop as last found; None: as its file says. ``per_rate``: what rate errors take of
+    the motors' range."""
+    whole = max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing
+    rate_loop = RateLoop(whole, vehicle.motor_lag, usual_yaw_lag(vehicle.rate_loop_lag))
     return RateSteering(
         law=law,
         hold=hold,
@@ -54,6 +58,7 @@ def rate_steering(
         tan_tilt_max=tan_tilt_max(vehicle),
         lag=rate_loop.lag if lag is None else lag + encoding.smoothing,
         heading=heading,
+        per_rate=per_rate,
     )
 
 

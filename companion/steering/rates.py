@@ -64,6 +64,8 @@ from companion.steering.speed_governor import Capability, Course
 from companion.steering.steering import Aim, Along, Steered
 from companion.steering.timing import Timing
 from companion.steering.yaw import (
+    USUAL_THRUST_PER_RATE,
+    ThrustPerRate,
     YawMemory,
     YawRequest,
     compensate_yaw,
@@ -104,7 +106,7 @@ class RateSteering:
     ``range``: of zeta. ``rate_loop``: as told, ``lag``: s, as last found. ``hover_thrust``: normalised, as told.
     ``prior``: of what is estimated. ``encoding``: what is sent; what it smooths makes the rate loop so much later.
     ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields. ``tan_tilt_max``: of the
-    steepest tilt. ``heading``: whose heading h4 is.
+    steepest tilt. ``heading``: whose heading h4 is. ``per_rate``: what rate errors take of the motors' range.
     """
 
     law: Law
@@ -120,6 +122,7 @@ class RateSteering:
     tan_tilt_max: float = math.inf
     lag: float = 0.06
     heading: Heading = Heading.PROJECTED
+    per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE
 
     def begin(self, state: VehicleState) -> RateMemory:
         """Hovering, as far as anybody knows."""
@@ -235,9 +238,11 @@ class RateSteering:
     ) -> float:  # fmt: skip
         """Yaw compensation: the yaw rate to command (rad/s)."""
         (p, q, wanted), (wp, wq, wr) = command.turn, predicted.w_b
+        if self.vehicle.limits is not None:
+            wanted = min(max(wanted, -self.vehicle.limits.body_rates[2]), self.vehicle.limits.body_rates[2])
         most = self.vehicle.mass * capability.specific_thrust
-        authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, abs(p - wp) + abs(q - wq))
-        loop = yaw_loop(self.vehicle.rate_loop_lag, timing.lag, timing.smoothing)
+        authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, abs(p - wp) + abs(q - wq), self.per_rate)
+        loop = yaw_loop(memory.estimate.rate_loop.yaw_lag, timing.lag, timing.smoothing)
         trim = memory.estimate.rate_loop_state.yaw_trim
         return compensate_yaw(loop, wanted, memory.yaw.derivative, wr, trim, authority)
 

@@ -19,19 +19,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from companion.estimation.rate_loop_model import YAW_TORQUE_LAG
+from companion.estimation.rate_loop_model import YAW_LAG, YAW_TORQUE_LAG
 from companion.estimation.translation import acceleration
 from companion.frames import Heading, Vec3, turned, wrap
 from companion.law.errors import LawError
 from companion.law.flight import Command, Flying
 from companion.steering.limits import THRUST_MAX
 from companion.steering.steering import Aim
+from companion.vehicle import Tuning
 
-YAW_LAG_USED = 0.36
-"""s, the lag of PX4's yaw loop for what turns at 1 to 3 rad/s (its model has 0.43 s for slow commands)."""
-YAW_LAG_OVER_TILT_LAG = 6.0
+YAW_LAG_USED = 0.84
+"""The lag of PX4's yaw loop for what turns at 1 to 3 rad/s over that of its model (slow commands): 0.36 s of 0.43."""
+YAW_LAG_OVER_TILT_LAG = 7.0
 """A vehicle whose tilting rate loops are quicker than PX4's usual ones has a quicker yaw loop: at most so many of their
-lags. Engineering choice."""
+lags, before it is identified. Engineering choice."""
 YAW_ERROR_RATE = 2.0
 """k T, for PX4's usual loops: the error dynamics are twice as fast as the loop itself, which would leave a heading that
 gusts have turned for long. Up to 2 it makes no loop unstable that is stable by itself. Where PX4 smooths what it is
@@ -40,9 +41,10 @@ YAW_LAG_MIN = 0.02
 """s: what is quicker counts as this quick. Engineering choice."""
 YAW_THRUST_PER_RATE = 0.2
 """s/rad: the part of the motors' range that a yaw rate error takes. PX4's default MC_YAWRATE_P."""
-TILT_THRUST_PER_RATE = 0.06
-"""s/rad: the same of a roll or pitch rate error; MC_ROLLRATE_P is 0.15, but a large error lasts less long than the yaw
-torque is filtered."""
+SHORT_LIVED = 0.4
+"""The part of a roll or pitch rate error that counts: a large one lasts less long than the yaw torque is filtered."""
+TILT_THRUST_PER_RATE = SHORT_LIVED * 0.15
+"""s/rad: the same of a roll or pitch rate error. PX4's default MC_ROLLRATE_P."""
 YAW_AUTHORITY_MIN = 0.05
 """rad/s of yaw rate error that are always left to yaw. Engineering choice."""
 DERIVATIVE_STEP = 0.05
@@ -50,6 +52,25 @@ DERIVATIVE_STEP = 0.05
 DERIVATIVE_TIME = 0.03
 """s, time constant with which it is smoothed: T multiplies it by 0.3 s, and the noise of the estimate with it. With
 0.2 s the yaw rate commanded shakes half as much on sih_noisy, and a tangent figure-eight is turned 0.2 deg worse."""
+
+
+class ThrustPerRate(NamedTuple):
+    """s/rad: the part of the motors' range that a rate error takes, roll or pitch (``tilt``) and yaw."""
+
+    tilt: float = TILT_THRUST_PER_RATE
+    yaw: float = YAW_THRUST_PER_RATE
+
+
+USUAL_THRUST_PER_RATE = ThrustPerRate()
+
+
+def thrust_per_rate(tuning: Tuning) -> ThrustPerRate:
+    """By a vehicle's own gains, PX4's usual where it does not say."""
+    usual = USUAL_THRUST_PER_RATE
+    p, k, yaw_p, yaw_k = tuning.roll_rate_p, tuning.roll_rate_k, tuning.yaw_rate_p, tuning.yaw_rate_k
+    tilt = usual.tilt if not p else SHORT_LIVED * p * (k if k is not None else 1.0)
+    yaw = usual.yaw if not yaw_p else yaw_p * (yaw_k if yaw_k is not None else 1.0)
+    return ThrustPerRate(max(tilt, 0.2 * usual.tilt), max(yaw, 0.2 * usual.yaw))
 
 
 class YawRequest(NamedTuple):
@@ -75,23 +96,29 @@ class YawLoop(NamedTuple):
     error_rate: float
 
 
-def yaw_authority(zeta: float, zeta_dot: float, most: float, tilt_rate_error: float) -> float:
+def yaw_authority(
+    zeta: float, zeta_dot: float, most: float, tilt_rate_error: float, per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE
+) -> float:
     """rad/s of yaw rate error that the motors can turn into torque: what thrust and tilting leave of their range when
     the torque comes.
 
     ``zeta``, ``most``: N, thrust and its largest; ``zeta_dot``: N/s. ``tilt_rate_error``: rad/s, |p| + |q|.
     """
     thrust_used = (zeta + zeta_dot * YAW_TORQUE_LAG) / most * THRUST_MAX
-    thrust_used += TILT_THRUST_PER_RATE * tilt_rate_error
-    return max(YAW_AUTHORITY_MIN, (THRUST_MAX - thrust_used) / YAW_THRUST_PER_RATE)
+    thrust_used += per_rate.tilt * tilt_rate_error
+    return max(YAW_AUTHORITY_MIN, (THRUST_MAX - thrust_used) / per_rate.yaw)
 
 
-def yaw_loop(rate_loop_lag: float, lag: float, smoothing: float) -> YawLoop:
-    """The loop beyond the horizon. ``rate_loop_lag``: s, of the vehicle file. ``lag``: s, of the tilting rate loops as
+def usual_yaw_lag(rate_loop_lag: float) -> float:
+    """s, of the yaw loop before it is identified. ``rate_loop_lag``: s, of the tilting loops by the vehicle file."""
+    return max(min(YAW_LAG, YAW_LAG_OVER_TILT_LAG * rate_loop_lag), YAW_LAG_MIN)
+
+
+def yaw_loop(yaw_lag: float, lag: float, smoothing: float) -> YawLoop:
+    """The loop beyond the horizon. ``yaw_lag``: s, of the yaw loop as found. ``lag``: s, of the tilting rate loops as
     found, with ``smoothing``: s."""
-    whole = min(YAW_LAG_USED, YAW_LAG_OVER_TILT_LAG * rate_loop_lag)
-    beyond = max(whole - lag, YAW_LAG_MIN)
-    extra = (YAW_ERROR_RATE - 1.0) * whole / YAW_LAG_USED * (1.0 - smoothing / lag) ** 2
+    beyond = max(YAW_LAG_USED * yaw_lag - lag, YAW_LAG_MIN)
+    extra = (YAW_ERROR_RATE - 1.0) * min(1.0, yaw_lag / YAW_LAG) * (1.0 - smoothing / lag) ** 2
     return YawLoop(beyond, (1.0 + extra) / beyond)
 
 

@@ -169,7 +169,9 @@ class Tuning(NamedTuple):
     """What the autopilot's own parameters say that matters to the law and to the guards; None where it did not say.
 
     ``roll_p``, ``pitch_p``, ``yaw_p``: 1/s, attitude error to body rate (MC_ROLL_P, MC_PITCH_P, MC_YAW_P).
-    ``smoothing``: rad/s, of the model that smooths the attitude it is sent (MC_REF_W_N; before 1.18 there is none).
+    ``roll_rate_p``, ``yaw_rate_p``: s/rad, rate error to the part of the motors' range (MC_ROLLRATE_P, MC_YAWRATE_P),
+    and ``roll_rate_k``, ``yaw_rate_k`` their factor (MC_ROLLRATE_K, MC_YAWRATE_K). ``smoothing``: rad/s, of the model
+    that smooths the attitude it is sent (MC_REF_W_N; before 1.18 there is none).
     ``hover_thrust``: normalised (MPC_THR_HOVER). ``thrust_curve``: 0 linear, 1 quadratic in the motor command
     (THR_MDL_FAC). ``offboard_loss_time``: s until the loss of setpoints is acted on (COM_OF_LOSS_T), and
     ``offboard_loss_action`` how (COM_OBL_RC_ACT). ``fail_roll``, ``fail_pitch``: rad at which its failure detector ends
@@ -191,6 +193,10 @@ class Tuning(NamedTuple):
     battery_critical: float | None = None
     fence_radius: float | None = None
     fence_height: float | None = None
+    roll_rate_p: float | None = None
+    roll_rate_k: float | None = None
+    yaw_rate_p: float | None = None
+    yaw_rate_k: float | None = None
 
 
 class Home(NamedTuple):

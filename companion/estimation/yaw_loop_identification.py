@@ -1,0 +1,115 @@
+"""Identification of the yaw loop: its lag, which tells a strong yaw from a weak one.
+
+As of the tilting loops (``rate_loop_identification``) three models with a shorter, this and a longer lag are driven by
+the commands alone, and a parabola through their errors has its minimum at the lag of the vehicle. A yaw loop turns with
+an offset all the time (drag, an integrator that fills, rotors that do not match), so their variances are compared and
+not their mean squares.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.estimation.rate_loop_identification import (
+    GAP_MAX,
+    LOG_SPACING,
+    MEAN_TIME,
+    PERIOD,
+    step_to_minimum,
+)
+from companion.estimation.rate_loop_model import (
+    STEP,
+    YAW_LAG,
+    YAW_TORQUE_LAG,
+    TimedCommand,
+    active_command,
+    axis_transition,
+)
+from companion.frames import Vec3
+
+FOLLOW_TIME = 1.5
+"""s, time constant with which the lag follows. Engineering choice: found within a bend or two."""
+SETTLING_TIME = 1.0
+"""s after a reset in which the models swing in and nothing is learned: two usual lags."""
+SWING_MIN = 0.06**2
+"""(rad/s)^2, variance of the middle model's yaw rate below which nothing is learned: a nose that stays."""
+LAG_RATIO_RANGE = (0.35, 2.0)
+"""Times the prior lag: no other is sought. Engineering choice: yaw from twice as weak to thrice as strong as usual."""
+
+Turning = tuple[float, float]
+"""r, r' of one model: rad/s, rad/s^2."""
+
+
+class YawLoopEstimate(NamedTuple):
+    """``lag``: s. ``prior``: s, the lag it began with. ``models``: with shorter, this and longer lag. ``means``: rad/s,
+    of their errors, and ``variances``: (rad/s)^2. ``swing_mean``: rad/s, and ``swing``: (rad/s)^2, mean and variance of
+    the middle model's yaw rate. ``ran``: s since the last reset. ``at``: s, the vehicle's clock, of the last update."""
+
+    lag: float
+    prior: float
+    models: tuple[Turning, Turning, Turning]
+    means: Vec3 = (0.0, 0.0, 0.0)
+    variances: Vec3 = (0.0, 0.0, 0.0)
+    swing_mean: float = 0.0
+    swing: float = 0.0
+    ran: float = 0.0
+    at: float = -math.inf
+
+
+def initial_yaw_loop_estimate(r: float, lag: float = YAW_LAG) -> YawLoopEstimate:
+    """Nothing seen yet but a yaw rate (rad/s)."""
+    return YawLoopEstimate(lag, lag, ((r, 0.0),) * 3)
+
+
+def reset_yaw_loop(known: YawLoopEstimate, r: float) -> YawLoopEstimate:
+    """The models put back on the vehicle's yaw rate (rad/s); what was found stays."""
+    return known._replace(models=((r, 0.0),) * 3, ran=0.0, at=-math.inf)
+
+
+def update_yaw_loop_estimate(
+    known: YawLoopEstimate, commands: tuple[TimedCommand, ...], now: float, r: float
+) -> YawLoopEstimate:
+    """``known`` after the commands in force until ``now`` (s, the vehicle's clock) and a yaw rate (rad/s)."""
+    dt = now - known.at
+    if dt < PERIOD:
+        return known
+    if dt > GAP_MAX:
+        return reset_yaw_loop(known, r)._replace(at=now)
+    # on a grid of five percent, so that the transitions are computed once
+    grid = round(20.0 * math.log(known.lag))
+    spacing = round(20.0 * LOG_SPACING)
+    a, b, c = (
+        _propagate(model, math.exp(0.05 * (grid + k * spacing)), commands, known.at, dt)
+        for k, model in zip((-1, 0, 1), known.models, strict=True)
+    )
+    known = known._replace(models=(a, b, c), ran=known.ran + dt, at=now)
+    errors = (a[0] - r, b[0] - r, c[0] - r)
+    if known.ran < SETTLING_TIME:
+        return known._replace(means=errors, variances=(0.0, 0.0, 0.0), swing_mean=b[0], swing=0.0)
+    k = dt / MEAN_TIME
+    d1, d2, d3 = (error - mean for error, mean in zip(errors, known.means, strict=True))
+    (m1, m2, m3), (v1, v2, v3), rest = known.means, known.variances, 1.0 - k
+    known = known._replace(
+        means=(m1 + k * d1, m2 + k * d2, m3 + k * d3),
+        variances=(rest * (v1 + k * d1 * d1), rest * (v2 + k * d2 * d2), rest * (v3 + k * d3 * d3)),
+    )
+    off = b[0] - known.swing_mean
+    known = known._replace(swing_mean=known.swing_mean + k * off, swing=rest * (known.swing + k * off * off))
+    if known.swing < SWING_MIN:
+        return known
+    towards = step_to_minimum(known.variances)
+    low, high = (ratio * known.prior for ratio in LAG_RATIO_RANGE)
+    return known._replace(lag=min(max(known.lag * math.exp(towards * dt / FOLLOW_TIME), low), high))
+
+
+def _propagate(model: Turning, lag: float, commands: tuple[TimedCommand, ...], begin: float, dt: float) -> Turning:
+    steps = max(1, math.ceil(dt / (2.0 * STEP) - 1e-9))
+    h = round(dt / steps, 6)
+    step = axis_transition(lag, YAW_TORQUE_LAG, h)
+    r, rd = model
+    for k in range(steps):
+        goal = active_command(commands, begin + (k + 0.5) * h).rates_b[2]
+        y = r - goal
+        r, rd = goal + step.yy * y + step.yd * rd, step.dy * y + step.dd * rd
+    return (r, rd)
