@@ -9,7 +9,7 @@ from companion.flight.conduct import Conduct
 from companion.frames import Heading, Vec3
 from companion.law.feedback import Bounds
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
-from companion.law.gains import Gains, Level, auto_gains, default_gains
+from companion.law.gains import Gains, Level, auto_gains, default_gains, poles_of
 from companion.law.hold import HoldLaw, hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
@@ -84,6 +84,7 @@ def prepared(
     direction = 1.0 if speeds[0] > 0.0 else -1.0
     usual = default_gains(law_level(level))
     gains = gains_of(placed, vehicle, level, tuning, learned)
+    path_pole = None if placed.gains is not None else float(poles_of(gains.h1)[0].real)
     bounds = None if vehicle.limits is None else Bounds()
     law: Law
     if isinstance(placed.path, ImplicitPath):
@@ -107,7 +108,7 @@ def prepared(
         mission=placed,
         vehicle=vehicle,
         level=level,
-        steering=_steering(law, hold, vehicle, level, tuning, gains, course, learned, placed.heading),
+        steering=_steering(law, hold, vehicle, level, tuning, gains, course, learned, placed.heading, path_pole),
         table=table,
         direction=direction,
         ramp_time=ramp_time,
@@ -143,6 +144,7 @@ def _steering(
     course: Course | None,
     learned: Learned | None,
     heading: Heading,
+    path_pole: float | None,
 ) -> Steering:
     lag = None if learned is None else learned.rate_lag
     if law_level(level) is Level.MOTORS:
@@ -154,4 +156,6 @@ def _steering(
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
     prior = prior_of(learned, hover, vehicle.drag)
     per_rate = thrust_per_rate(tuning)
-    return rate_steering(law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag, heading, per_rate)
+    return rate_steering(
+        law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag, heading, per_rate, path_pole
+    )

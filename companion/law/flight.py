@@ -25,7 +25,7 @@ from companion.law.feedback import (
     wanted_derivative,
     wanted_on_curve,
 )
-from companion.law.gains import Gains, Level
+from companion.law.gains import Gains, Level, with_path_poles
 from companion.law.implicit import Specification, arc_along, outputs
 from companion.law.motion import Model
 from companion.law.recording import finished, inputs, known_motion
@@ -46,7 +46,8 @@ class Flying(NamedTuple):
 
     Position m, velocity m/s and ``r_nb`` in the world frame, body rates rad/s. ``zeta`` N and ``zeta_dot`` N/s: the
     dynamic extension (Eq. 4). ``disturbance`` m/s^2 (world) and ``drag`` 1/s: what is known beyond the paper's model.
-    ``s``: arc length near the closest point. At the level of rates ``w_b`` and ``zeta_dot`` are not used.
+    ``s``: arc length near the closest point. ``pole_scale``: factor on the path poles. At the level of rates ``w_b``
+    and ``zeta_dot`` are not used.
     """
 
     p_n: Vec3
@@ -58,6 +59,7 @@ class Flying(NamedTuple):
     disturbance: Vec3 = ZERO3
     drag: float = 0.0
     s: float = 0.0
+    pole_scale: float = 1.0
 
 
 class Command(NamedTuple):
@@ -169,11 +171,11 @@ class CurveLaw:
 
 
 def _called(step: Function, flying: Flying, speed_scale: SpeedScale, known: Sequence[float]) -> Command:
-    p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, _ = flying
+    p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, _, poles = flying
     if not zeta > 0.0:
         raise LawError(f"singular: thrust {zeta:.3g} N")
     try:
-        values = step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *speed_scale, *known)
+        values = step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *speed_scale, poles, *known)
     except (ValueError, ArithmeticError) as error:
         raise LawError(f"the law is not defined at {place(p_n)}: {error}") from None
     if not math.isfinite(sum(values)):
@@ -193,7 +195,8 @@ def implicit_law(
     """Records the law of an implicit path. ``over_arc``: what takes the place of the specification's alpha and beta.
     ValueError, ArithmeticError: an expression that is nowhere defined."""
     tape = Tape()
-    model, motion, factor = inputs(tape, model)
+    model, motion, factor, pole_scale = inputs(tape, model)
+    gains = with_path_poles(gains, pole_scale)
     if over_arc is not None and over_arc.speed is not None:
         a = tape.inputs("a0", "a1", "a2", "a3")
         specification = replace(specification, alpha=lambda p_n, mu: _along(a, arc_along(p_n, mu)))
@@ -215,7 +218,8 @@ def curve_law(
     """Records the law of a parametrised curve. The gains of h1 serve both normal directions. ``direction``: any number
     with the sign of the speed. ``kind``: of the heading that ``yaw`` gives."""
     tape = Tape()
-    model, motion, factor = inputs(tape, model)
+    model, motion, factor, pole_scale = inputs(tape, model)
+    gains = with_path_poles(gains, pole_scale)
     derivatives = tuple(Vector(*tape.inputs(*(f"g{k}{axis}" for axis in "xyz"))) for k in range(5))
     motion_derivatives = known_motion(level, model, motion)
     seen = closest(derivatives[: len(motion_derivatives) + 1], motion_derivatives, bounds.q_min if bounds else 0.0)

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from companion.calculus.scalar import Scalar
+
 
 class Level(enum.Enum):
     """Where the chain of integrators ends: at motor torques (the paper's) or at body rates (one order earlier).
@@ -50,6 +52,18 @@ def from_poles(poles: Sequence[complex]) -> tuple[float, ...]:
             longer[i + 1] -= pole * c
         coefficients = longer
     return tuple(complex(k).real for k in reversed(coefficients[1:]))
+
+
+def with_path_poles(gains: Gains, scale: Scalar) -> Gains:
+    """``gains`` with the poles of h1 and h2 times ``scale``: k_i scale^(n - i). A number, or the symbol of a tape."""
+
+    def scaled(ks: tuple[float, ...]) -> tuple[float, ...]:
+        factors = [scale]
+        for _ in ks[1:]:
+            factors.append(factors[-1] * scale)
+        return tuple(k * factor for k, factor in zip(ks, reversed(factors), strict=True))
+
+    return Gains(scaled(gains.h1), scaled(gains.h2), gains.h3, gains.h4)
 
 
 def poles_of(gains: Sequence[float]) -> list[complex]:

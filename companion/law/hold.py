@@ -24,6 +24,8 @@ from companion.law.gains import Gains, Level
 from companion.law.motion import Model
 from companion.law.recording import finished, inputs, known_motion
 
+NO_SCALES = (0.0, 0.0, 0.0, 1.0)
+"""Of the speed and of the path poles, which a point does not have."""
 ACCELERATION_MAX = 4.0
 """m/s^2 of braking and of setting off. Engineering choice: 22 degrees of tilt."""
 
@@ -36,10 +38,10 @@ class HoldLaw:
 
     def __call__(self, flying: Flying, point_n: Vec3, yaw: float) -> Command:
         """The command at a state. LawError: no thrust, or a state that is not finite."""
-        p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, _ = flying
+        p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, *_ = flying
         if not zeta > 0.0:
             raise LawError(f"singular: thrust {zeta:.3g} N")
-        values = self.step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, 0.0, 0.0, 0.0, *point_n, yaw)
+        values = self.step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *NO_SCALES, *point_n, yaw)
         if not math.isfinite(sum(values)):
             raise LawError(f"the law is not finite at {place(p_n)}")
         return Command(values[0], values[1:4], values[4:7], *values[7:])  # type: ignore[arg-type]
@@ -50,7 +52,7 @@ def hold_law(
 ) -> HoldLaw:
     """Records the law that holds a point. Only the gains of h1 (all directions) and h4 are used."""
     tape = Tape()
-    model, motion, _ = inputs(tape, model)
+    model, motion, _, _ = inputs(tape, model)
     X0 = Vector(*tape.inputs("px", "py", "pz"))
     (yaw,) = tape.inputs("yaw")
     _, V, A, *jerk = known_motion(level, model, motion)

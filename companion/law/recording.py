@@ -23,8 +23,9 @@ WEIGHTLESS = 1e-3
 """m/s^2 of thrust over mass below which it has no direction. Engineering choice."""
 
 
-def inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor]:
-    """The inputs every law has, in the order of ``Flying`` and ``SpeedScale``: model, motion, the factor on alpha."""
+def inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor, Scalar]:
+    """The inputs every law has, in the order of ``Flying``, ``SpeedScale`` and the path poles: model, motion, the
+    factor on alpha, the factor on the path poles."""
     X = Vector(*tape.inputs("x", "y", "z"))
     V = Vector(*tape.inputs("vx", "vy", "vz"))
     r = tape.inputs(*(f"r{i}{j}" for i in range(3) for j in range(3)))
@@ -34,8 +35,10 @@ def inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor]:
     disturbance = Vector(*tape.inputs("dx", "dy", "dz"))
     (drag,) = tape.inputs("c")
     factor, rate, acceleration_ = tape.inputs("f", "f_dot", "f_ddot")
+    (pole_scale,) = tape.inputs("pole_scale")
     motion = Motion(X, V, R, w, zeta, zeta_dot, disturbance)
-    return Model(model.m, model.J, model.g, drag), motion, Taylor((factor, rate, 0.5 * acceleration_, 0.0, 0.0))
+    speed = Taylor((factor, rate, 0.5 * acceleration_, 0.0, 0.0))
+    return Model(model.m, model.J, model.g, drag), motion, speed, pole_scale
 
 
 def known_motion(level: Level, model: Model, motion: Motion) -> tuple[Vector, ...]:

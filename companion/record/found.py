@@ -28,8 +28,20 @@ def found(told: Columns) -> dict[str, Any] | None:
         "disturbance_mps2": [float(told[f"push_{axis}"][-1]) for axis in ("north", "east", "down")],
         "delay_s": float(told["delay"][-1]),
         "rate_loop_lag_s": float(told["rate_lag"][-1]),
+        "yaw_loop_lag_s": _last(told, "yaw_lag"),
+        "path_pole_per_s": None if _last(told, "path_pole") is None else _poles(told["path_pole"]),
         "pace": {"min": float(np.min(pace)), "slowed_fraction": float(np.mean(pace < SLOWED))},
     }
+
+
+def _last(told: Columns, column: str) -> float | None:
+    """The last value; None where the record has none."""
+    return float(told[column][-1]) if column in told and math.isfinite(told[column][-1]) else None
+
+
+def _poles(values: NDArray[np.float64]) -> dict[str, float]:
+    finite = values[np.isfinite(values)]
+    return {"chosen": float(finite[0]), "last": float(finite[-1])}
 
 
 def found_words(figures: dict[str, Any] | None, vehicle: Vehicle) -> list[str]:
@@ -43,6 +55,11 @@ def found_words(figures: dict[str, Any] | None, vehicle: Vehicle) -> list[str]:
         f"rate loop lag {1e3 * figures['rate_loop_lag_s']:.0f} ms (file {1e3 * vehicle.rate_loop_lag:.0f}), "
         f"delay from a state to its command's effect {1e3 * figures['delay_s']:.0f} ms"
     ]
+    poles = figures["path_pole_per_s"]
+    if poles is not None:
+        chosen, last = poles["chosen"], poles["last"]
+        lowered = f", lowered to {last:.1f} by the noise in the commands" if last > chosen + 0.05 else ""
+        words.append(f"gains: auto: the path's poles at {chosen:.1f} 1/s{lowered}")
     pace = figures["pace"]
     if pace["slowed_fraction"] > 0.0:
         words.append(

@@ -103,6 +103,8 @@ TOLD = (
     *(Column(f"bias_{axis}", "f", "m/s, found: velocity over moving position") for axis in ("north", "east", "down")),
     Column("delay", "f", "s, from a state to the effect of its command on the motors"),
     Column("rate_lag", "f", "s, found: of the rate loop"),
+    Column("yaw_lag", "f", "s, found: of the yaw rate loop"),
+    Column("path_pole", "f", "1/s, of h1 and h2, where it was chosen and not written"),
     Column("latency", "f", "s from the arrival of the state to the return of the setpoint's send"),
 )
 
@@ -244,9 +246,9 @@ def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, 
 
 def _found(estimates: Estimates | None) -> Row:
     if estimates is None:
-        return (math.nan,) * 10
-    scale, drag, disturbance, bias, delay, lag = estimates
-    return (scale, drag, *disturbance, *bias, delay, lag)
+        return (math.nan,) * 12
+    scale, drag, disturbance, bias, delay, *rest = estimates
+    return (scale, drag, *disturbance, *bias, delay, *rest)
 
 
 def seen_again(row: Any) -> tuple[Observation, float]:

@@ -10,9 +10,11 @@ from companion.estimation.estimator import Prior
 from companion.estimation.rate_loop_model import LAG_MIN, RateLoop
 from companion.frames import Heading
 from companion.law.flight import Law
+from companion.law.gains import AUTO_POLE_RANGE, PATH_POLES, Level
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
 from companion.steering.motors import MotorSteering
+from companion.steering.path_poles import AS_WRITTEN, PoleChoice
 from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
 from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
@@ -24,6 +26,11 @@ TILT_MARGIN = math.radians(2.0)
 """
 TILT_MAX = math.radians(80.0)
 """rad, of a vehicle without a limit: its tangent is still a number."""
+
+
+def pole_choice(path_pole: float) -> PoleChoice:
+    """How far poles (1/s) that were chosen may be lowered: to the least that is chosen, AUTO_POLE_RANGE."""
+    return PoleChoice(min(1.0, -AUTO_POLE_RANGE[0] / path_pole), PATH_POLES[Level.RATES][0] / path_pole)
 
 
 def rate_steering(
@@ -38,10 +45,11 @@ def rate_steering(
     lag: float | None = None,
     heading: Heading = Heading.PROJECTED,
     per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE,
+    path_pole: float | None = None,
 ) -> RateSteering:
     """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
     ``lag``: s, of its rate loop as last found; None: as its file says. ``per_rate``: what rate errors take of
-    the motors' range."""
+    the motors' range. ``path_pole``: 1/s, of h1 and h2 where they were chosen; None: they are as written."""
     whole = max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing
     rate_loop = RateLoop(whole, vehicle.motor_lag, usual_yaw_lag(vehicle.rate_loop_lag))
     return RateSteering(
@@ -59,6 +67,8 @@ def rate_steering(
         lag=rate_loop.lag if lag is None else lag + encoding.smoothing,
         heading=heading,
         per_rate=per_rate,
+        path_pole=math.nan if path_pole is None else path_pole,
+        pole_choice=AS_WRITTEN if path_pole is None else pole_choice(path_pole),
     )
 
 

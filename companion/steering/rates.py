@@ -9,6 +9,7 @@
     law                 law.flight, law.hold            zeta, the dynamic extension (Eq. 4)
     yaw compensation    steering.yaw                    YawMemory
     limits              steering.limits                 whether the last command met one
+    path poles          steering.path_poles             PathPoles, what the noise in the commands allows
     encode              steering.encoding               none
 
 Jerk -> body rates and the rate of the thrust. Between a state and the effect of its command lie the link and the rate
@@ -19,7 +20,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from companion.estimation.estimator import Prior
 from companion.estimation.learned import Learned
@@ -50,6 +50,8 @@ from companion.steering.limits import (
     limit_rates,
     limit_thrust,
 )
+from companion.steering.path_poles import AS_WRITTEN, PoleChoice, update_path_poles
+from companion.steering.rate_memory import RateMemory
 from companion.steering.shared import (
     COMMANDS_KEPT,
     ask,
@@ -66,7 +68,6 @@ from companion.steering.timing import Timing
 from companion.steering.yaw import (
     USUAL_THRUST_PER_RATE,
     ThrustPerRate,
-    YawMemory,
     YawRequest,
     compensate_yaw,
     update_derivative,
@@ -81,24 +82,6 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 """The attitude where none is known."""
 
 
-class RateMemory(NamedTuple):
-    """The blocks' memories, side by side.
-
-    ``estimate``: of the vehicle, at its last state. ``commands``: those that act at or after it. ``zeta``: N, the
-    thrust at the horizon (Eq. 4). ``governor``: of the speed. ``yaw``: of the yaw compensation. ``delay``: s, the dead
-    time; None before the first step. ``limited``: the last command met a limit. ``moving``: it was to fly somewhere.
-    """
-
-    estimate: VehicleEstimate
-    commands: tuple[TimedCommand, ...]
-    zeta: float
-    governor: SpeedScale = UNITY
-    yaw: YawMemory = YawMemory()
-    delay: float | None = None
-    limited: bool = False
-    moving: bool = False
-
-
 @dataclass(frozen=True, slots=True)
 class RateSteering:
     """The law at the level of rates for one vehicle.
@@ -107,6 +90,8 @@ class RateSteering:
     ``prior``: of what is estimated. ``encoding``: what is sent; what it smooths makes the rate loop so much later.
     ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields. ``tan_tilt_max``: of the
     steepest tilt. ``heading``: whose heading h4 is. ``per_rate``: what rate errors take of the motors' range.
+    ``path_pole``: 1/s, of h1 and h2 as recorded where they were chosen, and ``pole_choice`` how far they may be
+    lowered.
     """
 
     law: Law
@@ -123,6 +108,8 @@ class RateSteering:
     lag: float = 0.06
     heading: Heading = Heading.PROJECTED
     per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE
+    path_pole: float = math.nan
+    pole_choice: PoleChoice = AS_WRITTEN
 
     def begin(self, state: VehicleState) -> RateMemory:
         """Hovering, as far as anybody knows."""
@@ -146,7 +133,9 @@ class RateSteering:
         setpoint = self._encode(memory, rates, thrust, timing)
         # every other step is often enough for a derivative
         yaw = memory.yaw._replace(pending=YawRequest(flying, command, aim) if memory.yaw.pending is None else None)
-        memory = memory._replace(governor=governor, yaw=yaw)
+        along = isinstance(aim, Along)
+        poles = update_path_poles(memory.poles, self.pole_choice, rates.sent, dt, along=along)
+        memory = memory._replace(governor=governor, yaw=yaw, poles=poles)
         return self._steered(memory, setpoint, aim, command, rates, thrust, timing)
 
     def learn(self, memory: RateMemory) -> RateMemory:
@@ -189,7 +178,7 @@ class RateSteering:
         delay = update_delay(memory.delay, link_delay, self.vehicle.link_delay, dt)
         gap = state.t_boot - memory.estimate.motion.state.t_boot
         if begins_anew(gap, dt):
-            return self._begun(restart_estimate(memory.estimate, state))._replace(delay=delay)
+            return self._begun(restart_estimate(memory.estimate, state))._replace(delay=delay, poles=memory.poles)
         if gap <= 0.0:
             return memory._replace(delay=delay)
         estimate = advance_estimate(memory.estimate, memory.commands, state, memory.limited, memory.moving)
@@ -216,6 +205,7 @@ class RateSteering:
             disturbance=forces.disturbance_n,
             drag=forces.drag,
             s=aim.s if isinstance(aim, Along) else 0.0,
+            pole_scale=memory.poles.scale,
         )
 
     def _ask(self, flying: Flying, aim: Aim) -> Command:
@@ -283,5 +273,7 @@ class RateSteering:
             thrust_share=thrust.sent,
             converged=estimate.motion.estimator.converged,
             pace=memory.governor.value,
-            estimates=estimates_of(estimate.motion, timing.delay, timing.lag - timing.smoothing),
+            estimates=estimates_of(estimate.motion, timing.delay, timing.lag - timing.smoothing)._replace(
+                yaw_lag=estimate.rate_loop.yaw_lag, path_pole=self.path_pole * memory.poles.scale
+            ),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple, Protocol
 
 from companion.estimation.learned import Learned
@@ -36,7 +37,7 @@ class Estimates(NamedTuple):
 
     ``thrust_scale``: acceleration made over acceleration asked for. ``drag`` 1/s, ``disturbance`` m/s^2 (world),
     ``velocity_bias`` m/s (reported velocity over the derivative of the reported position). ``link_delay``,
-    ``rate_lag`` s.
+    ``rate_lag``, ``yaw_lag`` s. ``path_pole``: 1/s, of h1 and h2, where it was chosen and not written.
     """
 
     thrust_scale: float
@@ -45,6 +46,8 @@ class Estimates(NamedTuple):
     velocity_bias: Vec3
     link_delay: float
     rate_lag: float
+    yaw_lag: float = math.nan
+    path_pole: float = math.nan
 
 
 class Steered(NamedTuple):

@@ -10,7 +10,8 @@ from companion.estimation.estimator import Prior
 from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, VELOCITY_ERROR, WANDER
 from companion.estimation.rate_loop_model import RateLoop
 from companion.plan import Plan
-from companion.steering.rates import RateMemory, RateSteering
+from companion.steering.rate_memory import RateMemory
+from companion.steering.rates import RateSteering
 from companion.steering.steering import Steering
 
 KNOWN = 1e-9

@@ -16,7 +16,8 @@ from companion.frames import Matrix3, Vec3, wrap
 from companion.law.flight import Command, Flying
 from companion.law.speed_scale import SpeedScale
 from companion.plan import Plan
-from companion.steering.rates import RateMemory, RateSteering
+from companion.steering.rate_memory import RateMemory
+from companion.steering.rates import RateSteering
 from companion.steering.steering import Aim, Along, Steered
 from companion.steering.yaw import DERIVATIVE_STEP
 from companion.vehicle import Setpoint, VehicleState

@@ -1,0 +1,90 @@
+"""Path poles by the noise found: chosen when the path is begun, and after that only lowered.
+
+    commands of a law with poles at -L carry noise in proportion to L^2
+
+(the gain on the velocity, 3 L^2 / g, is what its noise comes through). So where the commands of the hold before the
+path are rough by n, with poles at -L_h, those that keep the roughness at ROUGHNESS_MOST are L_h sqrt(ROUGHNESS_MOST /
+n). Poles that a mission writes stay as written.
+
+Noise is told from motion by the second differences of what is commanded, 8 ms apart: there a bend is next to nothing
+beside noise that is new at every state.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from companion.frames import Vec3
+
+ROUGHNESS_MOST = math.radians(3.5)
+"""rad/s, of roll and pitch rate commanded, RMS of second differences over sqrt(6). On sih_noisy at -6 it is 1.7 to 1.9
+deg/s, and slower poles cost more of the path (3.2 cm at -4, not 2.4) than the noise is worth; twice that comes to this.
+"""
+ROUGHNESS_TIME = 2.0
+"""s over which it is averaged. Engineering choice."""
+KNOWN_AFTER = 1.0
+"""s of commands before the path after which the roughness is believed. Engineering choice."""
+LOWERING_TIME = 5.0
+"""s in which poles are lowered from 1 to nothing at the soonest."""
+STEP_MAX = 0.03
+"""s between two commands beyond which their differences are motion too."""
+SECOND_DIFFERENCE = 6.0
+"""Variance of the second difference of white noise, over its own: 1 + 4 + 1."""
+
+
+class PathPoles(NamedTuple):
+    """``scale``: on the poles that the law was recorded with. ``begun``: whether a path is flown: from then on they are
+    only lowered. ``roughness``: rad/s, mean square over ROUGHNESS_TIME. ``known``: s of commands in it. ``last``,
+    ``before``: rad/s, the last two commands."""
+
+    scale: float = 1.0
+    begun: bool = False
+    roughness: float = 0.0
+    known: float = 0.0
+    last: Vec3 | None = None
+    before: Vec3 | None = None
+
+
+class PoleChoice(NamedTuple):
+    """``least``: the least scale; 1 where poles are written, which are flown as they are. ``hold_scale``: the poles of
+    the hold before a path over those of the path."""
+
+    least: float = 1.0
+    hold_scale: float = 1.0
+
+
+AS_WRITTEN = PoleChoice()
+
+
+def update_path_poles(poles: PathPoles, choice: PoleChoice, rates_b: Vec3, dt: float, *, along: bool) -> PathPoles:
+    """``poles`` after another command (rad/s), ``dt`` s after the last. ``along``: it flies a path."""
+    if choice.least >= 1.0:
+        return poles
+    if along and not poles.begun:
+        scale = 1.0
+        if poles.known > KNOWN_AFTER:
+            scale = min(max(choice.hold_scale * _ratio(poles), choice.least), 1.0)
+        return PathPoles(scale, True, last=rates_b)  # what the hold's poles made of the noise is not theirs
+    poles = _looked_at(poles, rates_b, dt)
+    if not along or poles.known < ROUGHNESS_TIME:
+        return poles
+    wanted = max(poles.scale * min(_ratio(poles), 1.0), choice.least)
+    return poles._replace(scale=max(wanted, poles.scale - dt / LOWERING_TIME))
+
+
+def _ratio(poles: PathPoles) -> float:
+    """What the poles must be multiplied with to be as rough as may be."""
+    return math.sqrt(ROUGHNESS_MOST / max(math.sqrt(poles.roughness), 1e-9))
+
+
+def _looked_at(poles: PathPoles, rates_b: Vec3, dt: float) -> PathPoles:
+    last, before = poles.last, poles.before
+    if last is None or before is None or not 0.0 < dt < STEP_MAX:
+        return poles._replace(last=rates_b, before=last)
+    p, q = (a - 2.0 * b + c for a, b, c in zip(rates_b[:2], last[:2], before[:2], strict=True))
+    square = 0.5 * (p * p + q * q) / SECOND_DIFFERENCE
+    k = dt / min(ROUGHNESS_TIME, poles.known + dt)
+    return poles._replace(
+        roughness=poles.roughness + k * (square - poles.roughness), known=poles.known + dt, last=rates_b, before=last
+    )

@@ -1,0 +1,74 @@
+"""Path poles: chosen by the noise when a path is begun, then only lowered, and slowly; written ones stay."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy as np
+import pytest
+
+from companion.law.gains import Level, auto_gains, poles_of, with_path_poles
+from companion.steering.assembly import pole_choice
+from companion.steering.path_poles import (
+    AS_WRITTEN,
+    KNOWN_AFTER,
+    LOWERING_TIME,
+    ROUGHNESS_MOST,
+    PathPoles,
+    update_path_poles,
+)
+
+DT = 0.008
+AUTO = pole_choice(-6.0)
+
+
+def flown(
+    poles: PathPoles, noise: float, seconds: float, along: bool, choice=AUTO, bend: float = 0.0
+) -> list[PathPoles]:  # type: ignore[no-untyped-def]
+    """The poles after every command. ``noise``: rad/s of roll and pitch rate; ``bend``: rad/s, of a sine at 3 rad/s."""
+    rng, found = random.Random(1), []
+    for k in range(round(seconds / DT)):
+        turn = bend * math.sin(3.0 * k * DT)
+        rates = (turn + rng.gauss(0.0, noise), -turn + rng.gauss(0.0, noise), 0.0)
+        poles = update_path_poles(poles, choice, rates, DT, along=along)
+        found.append(poles)
+    return found
+
+
+def test_in_quiet_the_fastest_are_kept_however_it_turns() -> None:
+    hold = flown(PathPoles(), 0.0005, 3.0, along=False)[-1]
+    assert all(poles.scale == 1.0 for poles in flown(hold, 0.0005, 10.0, along=True, bend=2.0))
+
+
+@pytest.mark.parametrize("times", [2.0, 3.0])
+def test_noise_before_the_path_chooses_slower_ones(times: float) -> None:
+    """The hold's poles are at -5: at -6 its noise would be 1.44 times as large."""
+    hold = flown(PathPoles(), times * ROUGHNESS_MOST, 4.0, along=False)[-1]
+    assert hold.scale == 1.0
+    begun = update_path_poles(hold, AUTO, (0.0, 0.0, 0.0), DT, along=True)
+    assert begun.begun and begun.scale == pytest.approx(max(5.0 / 6.0 / math.sqrt(times), 4.0 / 6.0), rel=0.06)
+
+
+def test_on_the_path_they_are_only_lowered_and_take_their_time() -> None:
+    start = update_path_poles(flown(PathPoles(), 0.0005, 2.0, along=False)[-1], AUTO, (0.0, 0.0, 0.0), DT, along=True)
+    loud = flown(start, 4.0 * ROUGHNESS_MOST, 12.0, along=True)
+    steps = np.diff([poles.scale for poles in loud])
+    assert steps.max() <= 0.0 and steps.min() >= -DT / LOWERING_TIME - 1e-12
+    assert loud[-1].scale == pytest.approx(4.0 / 6.0)  # no slower than any that is chosen
+    assert flown(loud[-1], 0.0, 10.0, along=True)[-1].scale == loud[-1].scale
+    assert flown(loud[-1], 0.0, 2.0, along=False)[-1].scale == loud[-1].scale
+
+
+def test_written_poles_and_a_hold_that_was_short_change_nothing() -> None:
+    assert flown(PathPoles(), 1.0, 5.0, along=True, choice=AS_WRITTEN)[-1] == PathPoles()
+    short = flown(PathPoles(), 4.0 * ROUGHNESS_MOST, 0.9 * KNOWN_AFTER, along=False)[-1]
+    assert update_path_poles(short, AUTO, (0.0, 0.0, 0.0), DT, along=True).scale == 1.0
+
+
+def test_scaled_gains_are_those_of_scaled_poles() -> None:
+    gains = auto_gains(Level.RATES, 0.08)
+    slower = with_path_poles(gains, 0.75)
+    assert sorted(np.real(poles_of(slower.h1))) == pytest.approx([-4.5] * 3, rel=1e-3)
+    assert (slower.h3, slower.h4) == (gains.h3, gains.h4)
+    assert with_path_poles(gains, 1.0) == gains
