@@ -55,7 +55,8 @@ def predict(
     h = round(horizon / steps, 6)
     half = 0.5 * h
     damping = 1.0 - half * forces.drag  # drag acts on the velocity in the middle of the step
-    yy, yd, dy, dd, ay, ad = axis_transition(rate_loop.lag, rate_loop.motor_lag, h)
+    yy, yd, dy, dd, ay, ad = axis_transition(rate_loop.lags[0], rate_loop.motor_lag, h)
+    jj, jd, ej, edj, aj, adj = axis_transition(rate_loop.lags[1], rate_loop.motor_lag, h)
     zz, zd, ez, ed, az, bz = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)
     left, mean = thrust_transition(rate_loop.motor_lag, h)
     (x, y, z), (vx, vy, vz) = p_n, v_n
@@ -75,11 +76,11 @@ def predict(
         # half the angles turned in this step, each axis by its own loop
         hp, hq, hr = (
             0.5 * (sp * h + ay * yp + ad * pd),
-            0.5 * (sq * h + ay * yq + ad * qd),
+            0.5 * (sq * h + aj * yq + adj * qd),
             0.5 * (sr * h + az * yr + bz * rd),
         )
         wp, pd = sp + yy * yp + yd * pd, dy * yp + dd * pd
-        wq, qd = sq + yy * yq + yd * qd, dy * yq + dd * qd
+        wq, qd = sq + jj * yq + jd * qd, ej * yq + edj * qd
         wr, rd = sr + zz * yr + zd * rd, ez * yr + ed * rd
         turn2 = hp * hp + hq * hq + hr * hr
         cw, sw = 1.0 - 0.5 * turn2, 1.0 - turn2 / 6.0

@@ -1,11 +1,13 @@
-"""Identification of the rate loop: its lag and its gain, from how the body rates follow the commands.
+"""Identification of the rate loops of roll and pitch: lag and gain, from how the body rates follow the commands.
 
-Three models run side by side with lags L/d, L and L d, driven by the commands alone. A parabola through their mean
-squared errors against the gyro, over the logarithm of the lag, has its minimum at the lag of the vehicle. Noise adds
-the same to all three, and an error of the gain is orthogonal to one of the lag, so neither moves the minimum.
+Of each, three models run side by side with lags L/d, L and L d, driven by the commands alone. A parabola through their
+mean squared errors against the gyro, over the logarithm of the lag, has its minimum at the lag of the vehicle. Noise
+adds the same to all three, and an error of the gain is orthogonal to one of the lag, so neither moves the minimum.
 
 The integrator of PX4's rate loop lets it overshoot what changes slowly, by a few percent: the ratio of the gyro to the
 middle model (least squares) is the loop's gain, and so much less is commanded than is meant.
+
+An axis that hardly turns goes along with the other.
 """
 
 from __future__ import annotations
@@ -33,47 +35,76 @@ LAG_RATIO_MAX = 1.6
 """Times the prior lag: no longer one is sought."""
 GAIN_MAX = 1.1
 """The largest gain that is believed; never less than 1. PX4's simulated quadrotor: 1.01 to 1.03."""
-GAIN_EXCITATION_MIN = 0.2**2
-"""(rad/s)^2: mean square of the rates below which no gain is learned."""
+GAIN_EXCITATION_MIN = 0.5 * 0.2**2
+"""(rad/s)^2: mean square of the rate below which no gain is learned."""
+ALONG_TIME = 3.0
+"""s, time constant with which an axis that hardly turns follows the other. Engineering choice."""
 PERIOD = 0.024
 """s between two updates. Engineering choice: twice the step of the models."""
 GAP_MAX = 0.06
 """s without a state after which the models are reset."""
 
-Axes = tuple[float, float, float, float]
-"""p, p', q, q' of one model: rad/s, rad/s^2."""
+Turning = tuple[float, float]
+"""w, w' of one model: rad/s, rad/s^2."""
 
 
-class RateLoopEstimate(NamedTuple):
-    """What is known of the rate loop.
+class AxisEstimate(NamedTuple):
+    """What is known of one axis.
 
-    ``lag``: s. ``prior``: s, the lag it began with. ``models``: with shorter, this and longer lag.
-    ``mean_squared_errors``: (rad/s)^2, theirs. ``ran``: s since the last reset. ``at``: s, the vehicle's clock, of the
-    last update. ``gain``: rates over commands. ``gyro_times_model``, ``model_squared``: (rad/s)^2, means with the
-    middle model.
+    ``lag``: s. ``models``: with shorter, this and longer lag. ``mean_squared_errors``: (rad/s)^2, theirs. ``gain``:
+    rate over command. ``gyro_times_model``, ``model_squared``: (rad/s)^2, means with the middle model.
     """
 
     lag: float
-    prior: float
-    models: tuple[Axes, Axes, Axes]
+    models: tuple[Turning, Turning, Turning]
     mean_squared_errors: Vec3 = (0.0, 0.0, 0.0)
-    ran: float = 0.0
-    at: float = -math.inf
     gain: float = 1.0
     gyro_times_model: float = 0.0
     model_squared: float = 0.0
 
 
+class RateLoopEstimate(NamedTuple):
+    """What is known of the rate loops. ``prior``: s, the lag they began with. ``ran``: s since the last reset. ``at``:
+    s, the vehicle's clock, of the last update."""
+
+    roll: AxisEstimate
+    pitch: AxisEstimate
+    prior: float
+    ran: float = 0.0
+    at: float = -math.inf
+
+    @property
+    def lags(self) -> tuple[float, float]:
+        """s, of roll and of pitch."""
+        return self.roll.lag, self.pitch.lag
+
+    @property
+    def lag(self) -> float:
+        """s, of both together."""
+        return 0.5 * (self.roll.lag + self.pitch.lag)
+
+    @property
+    def gains(self) -> tuple[float, float]:
+        """Of roll and of pitch."""
+        return self.roll.gain, self.pitch.gain
+
+
 def initial_rate_loop_estimate(lag: float, w_b: Vec3, prior: float | None = None) -> RateLoopEstimate:
     """Nothing seen yet but body rates (rad/s)."""
-    still = (w_b[0], 0.0, w_b[1], 0.0)
-    return RateLoopEstimate(lag, lag if prior is None else prior, (still, still, still))
+    roll, pitch = (AxisEstimate(lag, _still(w)) for w in w_b[:2])
+    return RateLoopEstimate(roll, pitch, lag if prior is None else prior)
 
 
 def reset(known: RateLoopEstimate, w_b: Vec3) -> RateLoopEstimate:
     """The models put back on the vehicle's body rates (rad/s); what was found stays."""
-    still = (w_b[0], 0.0, w_b[1], 0.0)
-    return known._replace(models=(still, still, still), ran=0.0, at=-math.inf)
+    return known._replace(
+        roll=known.roll._replace(models=_still(w_b[0])), pitch=known.pitch._replace(models=_still(w_b[1])),
+        ran=0.0, at=-math.inf,
+    )  # fmt: skip
+
+
+def _still(w: float) -> tuple[Turning, Turning, Turning]:
+    return ((w, 0.0),) * 3
 
 
 def update_rate_loop_estimate(
@@ -88,26 +119,58 @@ def update_rate_loop_estimate(
         return known
     if dt > GAP_MAX:
         return reset(known, w_b)._replace(at=now)
+    ran = known.ran + dt
+    # a while in which the models swing in
+    k = dt / MEAN_TIME if ran >= SETTLING_TIME else 0.0
+    roll, pitch = (
+        _compared(_advanced(axis, i, motor_lag, commands, known.at, dt), w_b[i], k)
+        for i, axis in enumerate((known.roll, known.pitch))
+    )
+    if k > 0.0:
+        roll, pitch = _learned(roll, pitch, known.prior, dt), _learned(pitch, roll, known.prior, dt)
+    return known._replace(roll=roll, pitch=pitch, ran=ran, at=now)
+
+
+def _advanced(
+    axis: AxisEstimate, index: int, motor_lag: float, commands: tuple[TimedCommand, ...], begin: float, dt: float
+) -> AxisEstimate:
+    """The models after ``dt`` s of the commands. ``index``: 0 roll, 1 pitch."""
     # on a grid of one percent, so that the transitions are computed once
-    grid = round(100.0 * math.log(known.lag))
-    spacing = round(100.0 * LOG_SPACING)
-    shorter, middle, longer = (
-        _propagate(model, math.exp(0.01 * (grid + k * spacing)), motor_lag, commands, known.at, dt)
-        for k, model in zip((-1, 0, 1), known.models, strict=True)
+    grid, spacing = round(100.0 * math.log(axis.lag)), round(100.0 * LOG_SPACING)
+    a, b, c = (
+        _propagate(model, math.exp(0.01 * (grid + k * spacing)), motor_lag, index, commands, begin, dt)
+        for k, model in zip((-1, 0, 1), axis.models, strict=True)
     )
-    known = known._replace(models=(shorter, middle, longer), ran=known.ran + dt, at=now)
-    if known.ran < SETTLING_TIME:
-        return known
-    p, q, _ = w_b
-    k = dt / MEAN_TIME
-    e1, e2, e3 = (
-        mean + k * ((m[0] - p) ** 2 + (m[2] - q) ** 2 - mean)
-        for mean, m in zip(known.mean_squared_errors, known.models, strict=True)
+    return axis._replace(models=(a, b, c))
+
+
+def _compared(axis: AxisEstimate, w: float, k: float) -> AxisEstimate:
+    """The means after another measurement of the rate (rad/s), of which ``k`` is taken over."""
+    (e1, e2, e3), ((a, _), (b, _), (c, _)) = axis.mean_squared_errors, axis.models
+    return axis._replace(
+        mean_squared_errors=(
+            e1 + k * ((a - w) ** 2 - e1), e2 + k * ((b - w) ** 2 - e2), e3 + k * ((c - w) ** 2 - e3)
+        ),
+        gyro_times_model=axis.gyro_times_model + k * (b * w - axis.gyro_times_model),
+        model_squared=axis.model_squared + k * (b * b - axis.model_squared),
+    )  # fmt: skip
+
+
+def _learned(axis: AxisEstimate, other: AxisEstimate, prior: float, dt: float) -> AxisEstimate:
+    """Lag and gain drawn to what the means say; to the ``other`` axis's where this one hardly turns."""
+    lag, gain, along = axis.lag, axis.gain, dt / ALONG_TIME
+    towards = step_to_minimum(axis.mean_squared_errors)
+    if towards != 0.0:
+        lag *= math.exp(towards * dt / FOLLOW_TIME)
+    elif step_to_minimum(other.mean_squared_errors) != 0.0:
+        lag += along * (other.lag - lag)
+    if axis.model_squared > GAIN_EXCITATION_MIN:
+        gain *= 1.0 + (axis.gyro_times_model / axis.model_squared - 1.0) * dt / FOLLOW_TIME
+    elif other.model_squared > GAIN_EXCITATION_MIN:
+        gain += along * (other.gain - gain)
+    return axis._replace(
+        lag=max(prior * LAG_RATIO_MIN, min(prior * LAG_RATIO_MAX, lag)), gain=max(1.0, min(GAIN_MAX, gain))
     )
-    product = known.gyro_times_model + k * (middle[0] * p + middle[2] * q - known.gyro_times_model)
-    square = known.model_squared + k * (middle[0] * middle[0] + middle[2] * middle[2] - known.model_squared)
-    known = known._replace(mean_squared_errors=(e1, e2, e3), gyro_times_model=product, model_squared=square)
-    return known._replace(lag=_updated_lag(known, dt), gain=_updated_gain(known, dt))
 
 
 def step_to_minimum(mean_squared_errors: Vec3) -> float:
@@ -121,33 +184,16 @@ def step_to_minimum(mean_squared_errors: Vec3) -> float:
     return math.copysign(LOG_SPACING, shorter - longer)
 
 
-def _updated_lag(known: RateLoopEstimate, dt: float) -> float:
-    """s, drawn towards the minimum of the parabola."""
-    towards = step_to_minimum(known.mean_squared_errors)
-    if towards == 0.0:
-        return known.lag
-    lag = known.lag * math.exp(towards * dt / FOLLOW_TIME)
-    return max(known.prior * LAG_RATIO_MIN, min(known.prior * LAG_RATIO_MAX, lag))
-
-
-def _updated_gain(known: RateLoopEstimate, dt: float) -> float:
-    """Drawn towards the ratio of gyro and middle model."""
-    if known.model_squared <= GAIN_EXCITATION_MIN:
-        return known.gain
-    gain = known.gain * (1.0 + (known.gyro_times_model / known.model_squared - 1.0) * dt / FOLLOW_TIME)
-    return max(1.0, min(GAIN_MAX, gain))
-
-
 def _propagate(
-    model: Axes, lag: float, motor_lag: float, commands: tuple[TimedCommand, ...], begin: float, dt: float
-) -> Axes:
+    model: Turning, lag: float, motor_lag: float, index: int, commands: tuple[TimedCommand, ...], begin: float,
+    dt: float,
+) -> Turning:  # fmt: skip
     steps = max(1, math.ceil(dt / (2.0 * STEP) - 1e-9))
     h = round(dt / steps, 6)
     step = axis_transition(lag, motor_lag, h)
-    p, pd, q, qd = model
+    w, wd = model
     for k in range(steps):
-        _, rates, _ = active_command(commands, begin + (k + 0.5) * h)
-        yp, yq = p - rates[0], q - rates[1]
-        p, pd = rates[0] + step.yy * yp + step.yd * pd, step.dy * yp + step.dd * pd
-        q, qd = rates[1] + step.yy * yq + step.yd * qd, step.dy * yq + step.dd * qd
-    return (p, pd, q, qd)
+        goal = active_command(commands, begin + (k + 0.5) * h).rates_b[index]
+        y = w - goal
+        w, wd = goal + step.yy * y + step.yd * wd, step.dy * y + step.dd * wd
+    return (w, wd)

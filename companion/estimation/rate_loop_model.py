@@ -76,12 +76,22 @@ class RateLoopState(NamedTuple):
 
 
 class RateLoop(NamedTuple):
-    """The model's figures. ``lag``: s, of the roll and pitch rate loops. ``motor_lag``: s. ``yaw_lag``: s, of the yaw
-    rate loop."""
+    """The model's figures. ``lags``: s, of the roll and the pitch rate loop. ``motor_lag``: s. ``yaw_lag``: s, of the
+    yaw rate loop."""
 
-    lag: float
+    lags: tuple[float, float]
     motor_lag: float
     yaw_lag: float = YAW_LAG
+
+    @property
+    def lag(self) -> float:
+        """s, of roll and pitch together."""
+        return 0.5 * (self.lags[0] + self.lags[1])
+
+
+def alike(lag: float, motor_lag: float, yaw_lag: float = YAW_LAG) -> RateLoop:
+    """Roll and pitch of one lag (s)."""
+    return RateLoop((lag, lag), motor_lag, yaw_lag)
 
 
 class AxisTransition(NamedTuple):
@@ -141,7 +151,7 @@ def propagate(
     h = round((end - begin) / steps, 6)
     if h <= 0.0:
         return rate_loop_state, rate_loop_state.specific_thrust
-    tilting = axis_transition(rate_loop.lag, rate_loop.motor_lag, h)
+    rolling, pitching = (axis_transition(lag, rate_loop.motor_lag, h) for lag in rate_loop.lags)
     turning = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)
     left, mean = thrust_transition(rate_loop.motor_lag, h)
     total = 0.0
@@ -153,13 +163,13 @@ def propagate(
         total += specific_thrust + mean * (f - specific_thrust)
         rate_loop_state = RateLoopState(
             (
-                rates[0] + tilting.yy * yp + tilting.yd * pd,
-                rates[1] + tilting.yy * yq + tilting.yd * qd,
+                rates[0] + rolling.yy * yp + rolling.yd * pd,
+                rates[1] + pitching.yy * yq + pitching.yd * qd,
                 goal + turning.yy * yr + turning.yd * rd,
             ),
             (
-                tilting.dy * yp + tilting.dd * pd,
-                tilting.dy * yq + tilting.dd * qd,
+                rolling.dy * yp + rolling.dd * pd,
+                pitching.dy * yq + pitching.dd * qd,
                 turning.dy * yr + turning.dd * rd,
             ),
             specific_thrust + left * (f - specific_thrust),

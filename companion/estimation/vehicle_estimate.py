@@ -111,7 +111,7 @@ def learn_pending(estimate: VehicleEstimate, commands: Commands) -> VehicleEstim
     else:
         found = update_rate_loop_estimate(estimate.identification, motor_lag, commands, state.t_boot, state.w_b)
         yaw_loop = update_yaw_loop_estimate(estimate.yaw_loop, commands, state.t_boot, state.w_b[2])
-    if found.lag != estimate.identification.lag or yaw_loop.lag != estimate.yaw_loop.lag:
+    if found.lags != estimate.identification.lags or yaw_loop.lag != estimate.yaw_loop.lag:
         rate_loop = _used(found, motor_lag, yaw_loop.lag)
     return estimate._replace(motion=motion, identification=found, yaw_loop=yaw_loop, rate_loop=rate_loop)
 
@@ -133,4 +133,5 @@ def predict_vehicle(estimate: VehicleEstimate, commands: Commands, horizon: floa
 
 
 def _used(found: RateLoopEstimate, motor_lag: float, yaw_lag: float) -> RateLoop:
-    return RateLoop(round(found.lag, 3), motor_lag, round(yaw_lag, 2))
+    roll, pitch = found.lags
+    return RateLoop((round(roll, 3), round(pitch, 3)), motor_lag, round(yaw_lag, 2))

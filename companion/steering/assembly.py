@@ -7,7 +7,7 @@ import math
 from companion.allocation import Allocation
 from companion.estimation.body_model import Body
 from companion.estimation.estimator import Prior
-from companion.estimation.rate_loop_model import LAG_MIN, RateLoop
+from companion.estimation.rate_loop_model import LAG_MIN, alike
 from companion.frames import Heading
 from companion.law.flight import Law
 from companion.law.gains import AUTO_POLE_RANGE, PATH_POLES, Level
@@ -51,7 +51,7 @@ def rate_steering(
     ``lag``: s, of its rate loop as last found; None: as its file says. ``per_rate``: what rate errors take of
     the motors' range. ``path_pole``: 1/s, of h1 and h2 where they were chosen; None: they are as written."""
     whole = max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing
-    rate_loop = RateLoop(whole, vehicle.motor_lag, usual_yaw_lag(vehicle.rate_loop_lag))
+    rate_loop = alike(whole, vehicle.motor_lag, usual_yaw_lag(vehicle.rate_loop_lag))
     return RateSteering(
         law=law,
         hold=hold,

@@ -51,21 +51,22 @@ class LimitedThrust(NamedTuple):
     saturated: bool
 
 
-def limit_rates(turn: Vec3, gain: float, limits: Limits | None) -> LimitedRates:
-    """``turn`` (rad/s) within the vehicle's limits. ``gain``: of its roll and pitch rate loops, by which less is sent
+def limit_rates(turn: Vec3, gains: tuple[float, float], limits: Limits | None) -> LimitedRates:
+    """``turn`` (rad/s) within the vehicle's limits. ``gains``: of its roll and pitch rate loops, by which less is sent
     than is meant. LawError: a rate that is no number, which no clamp would catch."""
     if not math.isfinite(sum(turn)):
         raise LawError(f"the body rates are not finite: {turn}")
-    p, q, r = turn[0] / gain, turn[1] / gain, turn[2]
+    g, k = gains
+    p, q, r = turn[0] / g, turn[1] / k, turn[2]
     if limits is None:
-        return LimitedRates((p, q, r), (p * gain, q * gain, r), False)
+        return LimitedRates((p, q, r), (p * g, q * k, r), False)
     p_most, q_most, r_most = limits.body_rates
     p_most, q_most = min(p_most, TILT_RATE_MAX), min(q_most, TILT_RATE_MAX)
     r_most += YAW_RATE_LEAD
     p_sent, q_sent, r_sent = (
         min(max(p, -p_most), p_most), min(max(q, -q_most), q_most), min(max(r, -r_most), r_most)
     )  # fmt: skip
-    return LimitedRates((p_sent, q_sent, r_sent), (p_sent * gain, q_sent * gain, r_sent), (p_sent, q_sent) != (p, q))
+    return LimitedRates((p_sent, q_sent, r_sent), (p_sent * g, q_sent * k, r_sent), (p_sent, q_sent) != (p, q))
 
 
 class ThrustConversion(NamedTuple):

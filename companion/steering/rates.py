@@ -37,7 +37,6 @@ from companion.estimation.vehicle_estimate import (
 from companion.frames import Heading, Quaternion, Vec3, rotation_matrix
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
-from companion.law.speed_scale import UNITY, SpeedScale
 from companion.steering.encoding import Encoding
 from companion.steering.limits import (
     THRUST_MAX,
@@ -240,7 +239,7 @@ class RateSteering:
         """Limits, body rates. The rate loop of a vehicle that is restrained must not wind up."""
         p, q, _ = command.turn
         turn: Vec3 = (0.0, 0.0, 0.0) if estimate.motion.estimator.restrained else (p, q, yaw_rate)
-        return limit_rates(turn, estimate.identification.gain, self.vehicle.limits)
+        return limit_rates(turn, estimate.identification.gains, self.vehicle.limits)
 
     def _encode(self, memory: RateMemory, rates: LimitedRates, thrust: LimitedThrust, timing: Timing) -> Setpoint:
         """Encode: an attitude setpoint counts from the attitude in which it will be followed."""

@@ -28,6 +28,7 @@ from companion.estimation.rate_loop_model import (
     RateLoopState,
     TimedCommand,
     active_command,
+    alike,
     axis_transition,
     correct_with_gyro,
     propagate,
@@ -36,7 +37,7 @@ from companion.frames import Vec3, from_rotation_vector, multiply, quaternion_fr
 
 G = 9.80665
 STILL: Vec3 = (0.0, 0.0, 0.0)
-SIH = RateLoop(0.071, 0.05)
+SIH = alike(0.071, 0.05)
 
 
 @pytest.mark.parametrize(("lag", "motor_lag"), [(0.071, 0.05), (0.06, 0.0125), (0.06, 0.015), (0.3, 0.01)])
@@ -355,7 +356,7 @@ def test_the_lag_of_the_rate_loop_is_found(true: float) -> None:
     rng = random.Random(4)
     rate_loop_state, rate_loop, lag = (
         RateLoopState(STILL, STILL, G),
-        RateLoop(true, 0.05),
+        alike(true, 0.05),
         initial_rate_loop_estimate(0.071, STILL),
     )
     commands: tuple[TimedCommand, ...] = (TimedCommand(0.0, STILL, G),)
@@ -379,7 +380,7 @@ def test_the_gain_of_the_rate_loop_is_found(true: float, found: float) -> None:
     rng = random.Random(6)
     rate_loop_state, rate_loop, lag = (
         RateLoopState(STILL, STILL, G),
-        RateLoop(0.071, 0.05),
+        alike(0.071, 0.05),
         initial_rate_loop_estimate(0.071, STILL),
     )
     meant = told = (TimedCommand(0.0, STILL, G),)
@@ -394,8 +395,8 @@ def test_the_gain_of_the_rate_loop_is_found(true: float, found: float) -> None:
         lag = update_rate_loop_estimate(lag, 0.05, meant, t + 0.01, gyro)
         p, q = 0.4 * math.sin(1.2 * t), 0.4 * math.cos(1.2 * t)
         meant = (*meant[-8:], TimedCommand(t + 0.015, (p, q, 0.0), G))
-        told = (*told[-8:], TimedCommand(t + 0.015, (p / lag.gain, q / lag.gain, 0.0), G))
-    assert lag.gain == pytest.approx(found, abs=0.005)
+        told = (*told[-8:], TimedCommand(t + 0.015, (p / lag.gains[0], q / lag.gains[1], 0.0), G))
+    assert lag.gains == pytest.approx((found, found), abs=0.005)
 
 
 def test_in_a_hover_the_lag_stays_as_believed() -> None:
@@ -405,13 +406,13 @@ def test_in_a_hover_the_lag_stays_as_believed() -> None:
         gyro = (rng.gauss(0, 0.01), rng.gauss(0, 0.01), rng.gauss(0, 0.01))
         lag = update_rate_loop_estimate(lag, 0.05, commands, 0.01 * k + 0.01, gyro)
     assert lag.lag == pytest.approx(0.071, rel=1e-6)
-    assert lag.gain == 1.0
+    assert lag.gains == (1.0, 1.0)
 
 
 def test_a_lag_is_sought_within_reason() -> None:
     rate_loop_state, rate_loop, lag = (
         RateLoopState(STILL, STILL, G),
-        RateLoop(0.4, 0.05),
+        alike(0.4, 0.05),
         initial_rate_loop_estimate(0.071, STILL),
     )
     commands: tuple[TimedCommand, ...] = (TimedCommand(0.0, STILL, G),)
@@ -421,3 +422,20 @@ def test_a_lag_is_sought_within_reason() -> None:
         lag = update_rate_loop_estimate(lag, 0.05, commands, t + 0.01, rate_loop_state.w_b)
         commands = (*commands[-8:], TimedCommand(t + 0.015, (0.5 * math.sin(2.0 * t), 0.0, 0.0), G))
     assert lag.lag == pytest.approx(1.6 * 0.071, rel=0.01)
+
+
+def test_roll_and_pitch_are_told_apart_and_an_axis_that_rests_goes_along() -> None:
+    rng = random.Random(9)
+    for both in (True, False):
+        state, known = RateLoopState(STILL, STILL, G), initial_rate_loop_estimate(0.071, STILL)
+        vehicle = RateLoop((0.095, 0.068), 0.05)
+        commands: tuple[TimedCommand, ...] = (TimedCommand(0.0, STILL, G),)
+        for k in range(4000):
+            t = 0.01 * k
+            state, _ = propagate(state, vehicle, commands, t, t + 0.01)
+            gyro = (state.w_b[0] + rng.gauss(0, 0.01), state.w_b[1] + rng.gauss(0, 0.01), 0.0)
+            known = update_rate_loop_estimate(known, 0.05, commands, t + 0.01, gyro)
+            wanted = (0.4 * math.sin(1.7 * t), 0.4 * math.cos(1.3 * t) if both else 0.0, 0.0)
+            commands = (*commands[-8:], TimedCommand(t + 0.015, wanted, G))
+        assert known.lags == pytest.approx((0.095, 0.068) if both else (0.095, 0.095), rel=0.1)
+        assert known.lag == pytest.approx(sum(known.lags) / 2.0)

@@ -10,9 +10,9 @@ import pytest
 from companion.estimation.rate_loop_model import (
     YAW_LAG,
     YAW_TORQUE_LAG,
-    RateLoop,
     RateLoopState,
     TimedCommand,
+    alike,
     propagate,
     yaw_observer,
 )
@@ -36,7 +36,7 @@ def found(true: float, swing: float, seconds: float = 12.0) -> float:
         t = 0.008 * k
         wanted = swing * (math.sin(1.9 * t) + 0.6 * math.sin(4.1 * t + 1.0))
         commands = (*commands[-20:], TimedCommand(t, (0.0, 0.0, wanted), 9.8))
-        state, _ = propagate(state, RateLoop(0.07, 0.05, true), commands, t, t + 0.008)
+        state, _ = propagate(state, alike(0.07, 0.05, true), commands, t, t + 0.008)
         known = update_yaw_loop_estimate(known, commands, t + 0.008, state.w_b[2] + rng.gauss(0.0, 0.03))
     return known.lag
 

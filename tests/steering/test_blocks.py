@@ -74,10 +74,10 @@ class TestLinkDelay:
 
 class TestLimitRates:
     def test_nothing_asked_nothing_sent(self) -> None:
-        assert limit_rates(ZERO, 1.05, LIMITS) == (ZERO, ZERO, False)
+        assert limit_rates(ZERO, (1.05, 1.05), LIMITS) == (ZERO, ZERO, False)
 
     def test_a_gain_of_the_loop_is_taken_back(self) -> None:
-        limited = limit_rates((1.0, -1.0, 0.5), 1.05, LIMITS)
+        limited = limit_rates((1.0, -1.0, 0.5), (1.05, 1.05), LIMITS)
         assert limited.sent == pytest.approx((1.0 / 1.05, -1.0 / 1.05, 0.5))
         assert limited.meant == pytest.approx((1.0, -1.0, 0.5))
 
@@ -85,14 +85,14 @@ class TestLimitRates:
         rng = random.Random(1)
         for _ in range(200):
             turn = (rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9))
-            limited = limit_rates(turn, 1.0, LIMITS)
+            limited = limit_rates(turn, (1.0, 1.0), LIMITS)
             most = (3.0, TILT_RATE_MAX, 1.0)
             assert all(abs(sent) <= m for sent, m in zip(limited.sent, most, strict=True))
             assert all(sent * asked >= 0.0 for sent, asked in zip(limited.sent, turn, strict=True))
             assert limited.saturated is (abs(turn[0]) > most[0] or abs(turn[1]) > most[1])
 
     def test_without_limits_everything_goes_out(self) -> None:
-        assert limit_rates((9.0, 9.0, 9.0), 1.0, None).sent == (9.0, 9.0, 9.0)
+        assert limit_rates((9.0, 9.0, 9.0), (1.0, 1.0), None).sent == (9.0, 9.0, 9.0)
 
 
 class TestLimitThrust:
@@ -126,7 +126,7 @@ class TestNotANumber:
     def test_it_is_never_sent(self, value: float) -> None:
         for turn in ((value, 0.0, 0.0), (0.0, value, 0.0), (0.0, 0.0, value)):
             with pytest.raises(LawError):
-                limit_rates(turn, 1.0, LIMITS)
+                limit_rates(turn, (1.0, 1.0), LIMITS)
         with pytest.raises(LawError):
             limit_thrust(RANGE, value, 0.0, 0.01, 20.0, 0.0, CONVERSION)
         with pytest.raises(LawError):

@@ -50,8 +50,8 @@ def test_in_a_fast_turn_px4_flies_the_rates_that_were_meant() -> None:
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory = conductor.memory
         if memory is not None and memory.steering is not None and truth.t_boot > 10.0:
-            (p, q, r), gain = memory.steering.commands[-1].rates_b, memory.steering.estimate.identification.gain
-            meant.append((p / gain, q / gain, r))
+            (p, q, r), (g, k) = memory.steering.commands[-1].rates_b, memory.steering.estimate.identification.gains
+            meant.append((p / g, q / k, r))
             asked.append(bridges[0].autopilot.cascade.rates_wanted)
 
     done = measured(

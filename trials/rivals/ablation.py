@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from companion.estimation.estimator import Prior
 from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, VELOCITY_ERROR, WANDER
-from companion.estimation.rate_loop_model import RateLoop
+from companion.estimation.rate_loop_model import alike
 from companion.plan import Plan
 from companion.steering.rate_memory import RateMemory
 from companion.steering.rates import RateSteering
@@ -67,13 +67,13 @@ def _no_scale(steering: RateSteering) -> RateSteering:
 
 def _nothing(steering: RateSteering) -> RateSteering:
     plain = dataclasses.replace(
-        steering, prior=Prior((1.0, KNOWN), (0.0, KNOWN)), rate_loop=RateLoop(NO_LAG, steering.rate_loop.motor_lag)
+        steering, prior=Prior((1.0, KNOWN), (0.0, KNOWN)), rate_loop=alike(NO_LAG, steering.rate_loop.motor_lag)
     )
     return _forgetful(plain, *PUSHES, *BIAS, DRAG)
 
 
 def _no_prediction(steering: RateSteering) -> RateSteering:
-    return dataclasses.replace(steering, rate_loop=RateLoop(NO_LAG, steering.rate_loop.motor_lag))
+    return dataclasses.replace(steering, rate_loop=alike(NO_LAG, steering.rate_loop.motor_lag))
 
 
 REMEDIES: dict[str, Callable[[RateSteering], RateSteering]] = {
