@@ -18,6 +18,7 @@ from companion.steering.limits import (
     THRUST_MAX,
     THRUST_MIN,
     TILT_RATE_MAX,
+    YAW_RATE_LEAD,
     ThrustConversion,
     levelling_rates,
     limit_rates,
@@ -30,6 +31,7 @@ from companion.steering.yaw import (
     YawLoop,
     YawRequest,
     compensate_yaw,
+    usual_yaw_lag,
     yaw_authority,
     yaw_loop,
     yaw_rate_derivative,
@@ -86,7 +88,7 @@ class TestLimitRates:
         for _ in range(200):
             turn = (rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9))
             limited = limit_rates(turn, (1.0, 1.0), LIMITS)
-            most = (3.0, TILT_RATE_MAX, 1.0)
+            most = (3.0, TILT_RATE_MAX, 1.0 + YAW_RATE_LEAD)  # beyond the largest yaw rate it is torque only
             assert all(abs(sent) <= m for sent, m in zip(limited.sent, most, strict=True))
             assert all(sent * asked >= 0.0 for sent, asked in zip(limited.sent, turn, strict=True))
             assert limited.saturated is (abs(turn[0]) > most[0] or abs(turn[1]) > most[1])
@@ -203,10 +205,11 @@ class TestYaw:
         assert yaw_authority(20.0, 0.0, 20.0, 9.0) == YAW_AUTHORITY_MIN
 
     def test_a_quick_vehicle_is_led_less(self) -> None:
-        slow, quick = yaw_loop(0.06, 0.06, 0.0), yaw_loop(0.02, 0.02, 0.0)
+        slow, quick = (yaw_loop(usual_yaw_lag(lag), lag, 0.0) for lag in (0.06, 0.02))
         assert quick.lag < slow.lag
         assert 1.0 < quick.lag * quick.error_rate < slow.lag * slow.error_rate <= 2.0
-        assert yaw_loop(0.06, 0.2, 0.14).error_rate * yaw_loop(0.06, 0.2, 0.14).lag < 2.0  # smoothed
+        smoothed = yaw_loop(usual_yaw_lag(0.06), 0.2, 0.14)
+        assert smoothed.error_rate * smoothed.lag < 2.0
 
     def test_the_derivative_is_the_laws(self) -> None:
         """A law whose yaw rate grows with the position north, flown north at 2 m/s: 0.3 * 2 rad/s^2."""
