@@ -157,5 +157,17 @@ def _steering(
     prior = prior_of(learned, hover, vehicle.drag)
     per_rate = thrust_per_rate(tuning)
     return rate_steering(
-        law, hold, vehicle, encoding, hover, prior, gains.h4[0], course, lag, heading, per_rate, path_pole
+        law,
+        hold,
+        vehicle,
+        encoding,
+        hover,
+        prior,
+        gains.h4[0],
+        course,
+        lag,
+        heading,
+        per_rate,
+        path_pole,
+        None if learned is None else learned.yaw_lag,
     )

@@ -40,7 +40,7 @@ def show(name: str, as_json: bool) -> int:
     tell(f"  {'':22}{'file':>10}{'learned':>20}{'next flight begins with':>28}")
     for row in rows:
         name_ = f"{row.key}{', ' + row.unit if row.unit else ''}"
-        told = "learned" if row.told is None else f"{row.told:.3g}"
+        told = "-" if row.told is None else f"{row.told:.3g}"
         learned_, believed = _cell(row.learned, row.learned_std), _cell(row.believed, row.believed_std)
         tell(f"  {name_:22}{told:>10}{learned_:>20}{believed:>28}")
     if learned is None:
@@ -71,6 +71,7 @@ def rows_of(vehicle: Vehicle, learned: Learned | None) -> list[Row]:
         ),
         Row("drag", "1/s", vehicle.drag, learned.drag, learned.drag_std, *prior.drag),
         Row("rate loop lag", "s", lag, learned.rate_lag, None, learned.rate_lag, None),
+        Row("yaw loop lag", "s", None, learned.yaw_lag or None, None, learned.yaw_lag or None, None),
     ]  # fmt: skip
 
 

@@ -13,6 +13,8 @@ DRAG_RANGE = (0.0, 2.5)
 """1/s, as the estimator's."""
 LAG_RANGE = (0.01, 0.3)
 """s, of a rate loop that flies. Engineering choice."""
+YAW_LAG_RANGE = (0.05, 1.5)
+"""s, of a yaw rate loop. Engineering choice."""
 FRESH_THRUST_SCALE_STD = 0.05
 """Standard deviation of the thrust scale just after a flight: another battery, load or propeller."""
 FRESH_DRAG_STD = 0.15
@@ -27,7 +29,8 @@ class Learned(NamedTuple):
     """What a flight found out, and how well it knew.
 
     ``hover_thrust``: normalised, as it truly was. ``drag``: 1/s. ``rate_lag``: s. ``age_days``: since that flight.
-    ``hover_thrust_std``, ``drag_std``: standard deviations at its end, by the filter; 0 where it was not kept.
+    ``hover_thrust_std``, ``drag_std``: standard deviations at its end, by the filter, and ``yaw_lag``: s; 0 where they
+    were not kept.
     """
 
     hover_thrust: float
@@ -36,17 +39,19 @@ class Learned(NamedTuple):
     age_days: float = 0.0
     hover_thrust_std: float = 0.0
     drag_std: float = 0.0
+    yaw_lag: float = 0.0
 
 
 def sane(learned: Learned) -> bool:
     """Whether these can be a vehicle's figures at all."""
-    hover, drag, lag, age, hover_std, drag_std = learned
+    hover, drag, lag, age, hover_std, drag_std, yaw_lag = learned
     return (
         all(map(math.isfinite, learned))
         and HOVER_RANGE[0] <= hover <= HOVER_RANGE[1]
         and DRAG_RANGE[0] <= drag <= DRAG_RANGE[1]
         and LAG_RANGE[0] <= lag <= LAG_RANGE[1]
         and age >= 0.0
+        and (yaw_lag == 0.0 or YAW_LAG_RANGE[0] <= yaw_lag <= YAW_LAG_RANGE[1])
         and 0.0 <= hover_std <= hover
         and 0.0 <= drag_std <= DRAG_RANGE[1]
     )

@@ -48,6 +48,7 @@ def recalled(file: Path | None) -> Learned | None:
             age_days=age,
             hover_thrust_std=float(told.get("hover_thrust_std", 0.0)),
             drag_std=float(told.get("drag_std_per_s", 0.0)),
+            yaw_lag=float(told.get("yaw_loop_lag_s", 0.0)),
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
@@ -63,6 +64,7 @@ def remembered(file: Path, learned: Learned) -> bool:
         "drag_per_s": round(learned.drag, 4),
         "drag_std_per_s": round(learned.drag_std, 5),
         "rate_loop_lag_s": round(learned.rate_lag, 4),
+        "yaw_loop_lag_s": round(learned.yaw_lag, 3),
         "flown_at": round(time.time(), 1),
     }
     return write_owned(file, json.dumps(told, indent=2) + "\n")

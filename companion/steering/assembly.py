@@ -46,12 +46,14 @@ def rate_steering(
     heading: Heading = Heading.PROJECTED,
     per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE,
     path_pole: float | None = None,
+    yaw_lag: float | None = None,
 ) -> RateSteering:
     """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
     ``lag``: s, of its rate loop as last found; None: as its file says. ``per_rate``: what rate errors take of
-    the motors' range. ``path_pole``: 1/s, of h1 and h2 where they were chosen; None: they are as written."""
+    the motors' range. ``path_pole``: 1/s, of h1 and h2 where they were chosen; None: they are as written.
+    ``yaw_lag``: s, of its yaw loop as last found; None: a usual one."""
     whole = max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing
-    rate_loop = alike(whole, vehicle.motor_lag, usual_yaw_lag(vehicle.rate_loop_lag))
+    rate_loop = alike(whole, vehicle.motor_lag, yaw_lag or usual_yaw_lag(vehicle.rate_loop_lag))
     return RateSteering(
         law=law,
         hold=hold,

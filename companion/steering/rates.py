@@ -165,7 +165,8 @@ class RateSteering:
     def learned(self, memory: RateMemory) -> Learned | None:
         """What this flight found out of its vehicle; None if it was too short or not settled."""
         lag = memory.estimate.identification.lag - self.encoding.smoothing
-        return learned_of(memory.estimate.motion, self.hover_thrust, lag)
+        found = learned_of(memory.estimate.motion, self.hover_thrust, lag)
+        return None if found is None else found._replace(yaw_lag=memory.estimate.yaw_loop.lag)
 
     def _begun(self, estimate: VehicleEstimate) -> RateMemory:
         state, hovering = estimate.motion.state, estimate.rate_loop_state.specific_thrust

@@ -50,7 +50,15 @@ def test_old_figures_are_doubted_as_if_never_flown() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"hover_thrust": 0.0}, {"drag": -1.0}, {"rate_lag": math.nan}, {"age_days": -1.0}, {"drag": math.inf}]
+    "wrong",
+    [
+        {"hover_thrust": 0.0},
+        {"drag": -1.0},
+        {"rate_lag": math.nan},
+        {"age_days": -1.0},
+        {"drag": math.inf},
+        {"yaw_lag": 9.0},
+    ],
 )
 def test_what_no_vehicle_can_be_is_not_believed(wrong: dict[str, float]) -> None:
     assert not sane(FOUND._replace(**wrong))
@@ -100,9 +108,14 @@ def test_what_is_learned_is_shown_beside_the_file(tmp_path: Path, monkeypatch: p
     assert told.exit_code == 0 and "nothing is learned of it yet" in told.output
     file = state_file("x500")
     assert file is not None
-    assert remembered(file, Learned(0.54, 0.35, 0.055, 0.0, 0.004, 0.02))
+    assert remembered(file, Learned(0.54, 0.35, 0.055, 0.0, 0.004, 0.02, 0.31))
     told = runner.invoke(app, ["vehicle", "show", "x500"])
-    assert "0.54 +- 0.004" in told.output and "0.35 +- 0.02" in told.output and "learned 0.0 days ago" in told.output
+    assert (
+        "0.54 +- 0.004" in told.output
+        and "0.35 +- 0.02" in told.output
+        and "0.31" in told.output
+        and "learned 0.0 days ago" in told.output
+    )
     figures = json.loads(runner.invoke(app, ["vehicle", "show", "x500", "--json"]).output)["figures"]
     hover = next(row for row in figures if row["key"] == "hover thrust")
     assert hover["told"] == 0.57 and hover["believed"] == pytest.approx(0.54, rel=0.02)
