@@ -10,6 +10,7 @@ Its time is a count of steps, so that everything is exact and the same seed give
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 
 from companion.frames import euler_from_rotation, rotation_matrix
 from companion.mavlink.codec import Frame
@@ -53,8 +54,8 @@ class Bridge:
     on just now; otherwise it begins in the air as ``start`` says, by default in a hover 10 m above the origin.
     ``direct``: it takes SET_ACTUATOR_CONTROL_TARGET as motor commands, as it also does if its vehicle file says so.
     ``endpoints``: 1 leaves the ground station out. ``seed``: of every chance in the world. ``key``: what it signs with
-    from the start. ``xrce``: it has an XRCE client too, of that PX4; its line is endpoint XRCE. ValueError: the vehicle
-    cannot be flown. Nothing received ever raises.
+    from the start. ``xrce``: it has an XRCE client too, of that PX4; its line is endpoint XRCE. ``only``: the ids of
+    what is streamed; None: all that PX4 streams. ValueError: the vehicle cannot be flown. Nothing received ever raises.
 
     ``log``: lines for a person, to be taken out by whoever shows them. ``orders``: what a world's operator asked for,
     when, and the answer. ``ports_dialled``: how often the vehicle has changed its port to the companion.
@@ -72,6 +73,7 @@ class Bridge:
         endpoints: int = 2,
         key: bytes | None = None,
         xrce: Release | None = None,
+        only: Collection[int] | None = None,
     ) -> None:
         self._per_second = 1000 if vehicle.state_rate > FAST_STATE else 250
         self.step_s = 1.0 / self._per_second
@@ -80,16 +82,11 @@ class Bridge:
         self.direct = direct or vehicle.motors is MotorInterface.DIRECT
         self.plant = Plant(vehicle, world, self._per_second, seed)
         self._sensors = Sensors(world.estimate, self.step_s, normals(seed, RandomStream.ESTIMATE))
-        self._up, self._down = (
-            LinkWay(world.link.up, seed, RandomStream.UP),
-            LinkWay(world.link.down, seed, RandomStream.DOWN),
-        )
-        self.world_events = WorldEvents(
-            world.events,
-            Reach(
-                self.plant, self._sensors, self._down, self._up, self._ask, self._dial, normals(seed, RandomStream.SAID)
-            ),
-        )  # fmt: skip
+        self._up = LinkWay(world.link.up, seed, RandomStream.UP)
+        self._down = LinkWay(world.link.down, seed, RandomStream.DOWN)
+        said = normals(seed, RandomStream.SAID)
+        reach = Reach(self.plant, self._sensors, self._down, self._up, self._ask, self._dial, said)
+        self.world_events = WorldEvents(world.events, reach)
         weight, lift = self.plant.vehicle.weight, self.plant.vehicle.thrust_max
         if self.plant.cells is not None:
             lift *= self.plant.cells.strength
@@ -108,8 +105,13 @@ class Bridge:
         boot = Boot() if landed else None
         self.keys = KeyStore(key)
         self.links = [
-            Link(self.autopilot, Streams(rates, self._step_us, direct=self.direct, boot=boot), self.keys, boots=landed)
-            for rates in (ONBOARD, GROUND_STATION)[:endpoints]
+            Link(
+                self.autopilot,
+                Streams(who, self._step_us, direct=self.direct, boot=boot, only=only),
+                self.keys,
+                boots=landed,
+            )
+            for who in (ONBOARD, GROUND_STATION)[:endpoints]
         ]
         self._strangers: list[Stranger] = []
         self._sticks_at_us = 0

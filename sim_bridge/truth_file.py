@@ -10,6 +10,9 @@ import struct
 from pathlib import Path
 from types import TracebackType
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sim_bridge.plant import Truth
 from sim_bridge.rotors import Four
 
@@ -32,6 +35,31 @@ def header(rows: int) -> bytes:
     return start + text.ljust(HEADER_SIZE - 11).encode("ascii") + b"\n"
 
 
+def row(truth: Truth, commands: Four) -> bytes:
+    """The state after a step and the commands that led to it."""
+    return _ROW.pack(truth.t_boot, *truth.p_n, *truth.v_n, *truth.q_nb, *truth.w_b, *truth.rotor_thrusts, *commands)
+
+
+class TruthRows:
+    """The same in memory, as ``table``."""
+
+    def __init__(self) -> None:
+        self._rows: list[bytes] = []
+        self._last = -1.0
+
+    def append(self, truth: Truth, commands: Four) -> None:
+        """See TruthFile."""
+        if truth.t_boot != self._last:
+            self._last = truth.t_boot
+            self._rows.append(row(truth, commands))
+
+    @property
+    def table(self) -> NDArray[np.void]:
+        """The rows so far, as in the file."""
+        dtype = [(name, "<f8") if width == 1 else (name, "<f8", (width,)) for name, width in COLUMNS]
+        return np.frombuffer(b"".join(self._rows), dtype)
+
+
 class TruthFile:
     """Writes one. A context manager; OSError where the file cannot be made.
 
@@ -51,11 +79,7 @@ class TruthFile:
         if truth.t_boot == self._last or self.ended:
             return
         self._last = truth.t_boot
-        self._block.append(
-            _ROW.pack(
-                truth.t_boot, *truth.p_n, *truth.v_n, *truth.q_nb, *truth.w_b, *truth.rotor_thrusts, *commands
-            )
-        )  # fmt: skip
+        self._block.append(row(truth, commands))
         if len(self._block) >= BLOCK:
             self.flush()
 

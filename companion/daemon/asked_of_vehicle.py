@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from companion.daemon.ground import WANTED as GROUND_WANTED
 from companion.flight.phases import Request
 from companion.flight.situation import Answer, Reply
-from companion.mavlink import requests, telemetry
+from companion.mavlink import link, requests, telemetry
+from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.vehicle import Mode
 
+WANTED = link.WANTED | telemetry.WANTED | PARAMETERS_WANTED | GROUND_WANTED
+"""The messages that a companion looks at, by their ids."""
 COMMANDS = {
     Request.ARM: requests.ARM,
     Request.DISARM: requests.DISARM,

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from companion import pilot
-from companion.daemon.asked_of_vehicle import COMMANDS, answer_to, streams
+from companion.daemon.asked_of_vehicle import COMMANDS, WANTED, answer_to, streams
 from companion.daemon.ground import WANTED as GROUND_WANTED
 from companion.daemon.ground import GroundSide
 from companion.daemon.orders import Orders
@@ -25,14 +25,13 @@ from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
 from companion.mavlink import requests, setpoints, telemetry
 from companion.mavlink.codec import Decoder
-from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
 from companion.mavlink.parameters import Parameters
 from companion.mavlink.peer import Received
 from companion.mavlink.repeats import Repeats
 from companion.mavlink_common import MAV_COMP_ID_AUTOPILOT1
 from companion.pilot import Memory, Observation
 from companion.plan import Plan
-from companion.record.folder import Recorder
+from companion.record.ticks import TickRecorder
 from companion.vehicle import Setpoint, TorqueSetpoint, VehicleState
 from companion.xrce.commands import Commands
 
@@ -50,7 +49,7 @@ class Conductor:
     people, taken by the caller. ``xrce``: where setpoints go to PX4's XRCE client, the same doors for that link.
     """
 
-    def __init__(self, orders: Orders, recorder: Recorder | None, now: float, *, stream: bool = False) -> None:
+    def __init__(self, orders: Orders, recorder: TickRecorder | None, now: float, *, stream: bool = False) -> None:
         self.orders = orders
         self.xrce = Commands(orders.level) if orders.over_xrce else None
         self.link = wire.Link(streams=streams(orders.vehicle.state_rate))
@@ -58,7 +57,7 @@ class Conductor:
         self.telemetry = telemetry.Telemetry()
         self._frames: list[bytes] = []  # what came and went since the last ``sent``, for the record
         self.repeats = Repeats()
-        self.decoder = Decoder(wanted=wire.WANTED | telemetry.WANTED | PARAMETERS_WANTED | GROUND_WANTED)
+        self.decoder = Decoder(wanted=WANTED)
         if recorder is not None:
             self.decoder.tap = self._frames.append
         self.plan: Plan | None = None

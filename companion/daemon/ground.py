@@ -17,7 +17,7 @@ from companion.mavlink.upload import Place, Upload
 from companion.mavlink_common import MAV_COMP_ID_ONBOARD_COMPUTER, MavSeverity
 from companion.pilot import Memory, Outcome, yaw_error
 from companion.plan import Plan
-from companion.record.folder import Recorder
+from companion.record.ticks import TickRecorder
 from companion.settings import settings_of, with_settings
 from companion.vehicle import CompanionError
 
@@ -65,7 +65,7 @@ class GroundSide:
             self._own.named[name] = Own(*setting)
             self._applied[name] = setting.value
 
-    def retuned(self, plan: Plan, now: float, recorder: Recorder | None, *, may: bool) -> Plan:
+    def retuned(self, plan: Plan, now: float, recorder: TickRecorder | None, *, may: bool) -> Plan:
         """The plan with the gains and limits that were set since, where the vehicle does not fly on our setpoints
         (``may``); else nothing of it can be set."""
         self._own.locked = (frozenset() if may else frozenset(self._applied), SAFE_WHEN)

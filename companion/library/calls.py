@@ -30,11 +30,13 @@ from companion.library.orders import (
 )
 from companion.library.outcome import Ended, figures_of, is_completed, reason_of
 from companion.library.output import Output
-from companion.library.simulation import Flown, SimulatedFlight, in_lockstep
+from companion.library.simulation import Flown, SimulatedFlight, in_lockstep, in_memory
 from companion.mission import Origin
 from companion.places.words import place_words
+from companion.record.circumstances import simulation_document
 from companion.record.folder import Recorder, Source
 from companion.record.place import refuse_used
+from companion.record.summary import summary
 from companion.vehicle import CompanionError
 
 Given = str | Path
@@ -70,7 +72,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Asked:
-    """A flight as it is asked for in Python."""
+    """A flight as it is asked for in Python. ``lean``: see SimulatedFlight."""
 
     mission: Given | MissionFile
     vehicle: Given | VehicleFile | None
@@ -83,10 +85,40 @@ class Asked:
     from_ground: bool
     home: str | None
     record: Path | None
+    lean: bool = False
 
 
 def simulate(asked: Asked) -> Flight:
     """See ``public.simulate``."""
+    flight = _flight_of(asked)
+    sortie, temporary = flight.sortie, None if asked.record is not None else TemporaryDirectory(prefix="companion-")
+    folder = asked.record if temporary is None else Path(temporary.name)
+    assert folder is not None
+    recorder = Recorder(folder, sortie.mission_source, sortie.vehicle_source, 0.0, flight.simulated)
+    try:
+        flown = in_lockstep(flight, recorder, lambda _: lambda _: None)
+    except BaseException:
+        recorder.discard()
+        raise
+    _finish(flown, recorder, asked.settle)
+    return Flight(folder, temporary)
+
+
+def summary_alone(asked: Asked) -> dict[str, Any]:
+    """The summary of a flight that leaves nothing else behind: the figures of ``simulate``. CompanionError: it did not
+    begin."""
+    flight = _flight_of(asked)
+    flown, ticks, truth = in_memory(flight)
+    conductor, ended = flown.conductor, Ended(flown.now, False, flown.failure)
+    reason = None if is_completed(conductor, ended) else reason_of(conductor, ended)
+    if conductor.plan is None or conductor.memory is None:
+        raise CompanionError(f"not flown: {reason}")
+    outcome, simulation = "completed" if reason is None else "aborted", simulation_document(flight.simulated)
+    return summary(conductor.plan, ticks.table, truth, asked.settle, outcome, reason, None, simulation)
+
+
+def _flight_of(asked: Asked) -> SimulatedFlight:
+    """What is asked for, read. ConfigError with every fault."""
     faults = Faults()
     output = faults.collect(lambda: _output(asked.output))
     world = faults.collect(lambda: _source(asked.world, WorldFile))
@@ -104,19 +136,7 @@ def simulate(asked: Asked) -> Flight:
         sortie = replace(sortie, mission=flyable(sortie.mission, sortie.vehicle))
     except (ValueError, ArithmeticError) as error:
         raise ConfigError([Fault(sortie.mission_source.name, 0, "path", str(error))]) from None
-    temporary = None if asked.record is not None else TemporaryDirectory(prefix="companion-")
-    folder = asked.record if temporary is None else Path(temporary.name)
-    assert folder is not None
-    recorder = Recorder(folder, sortie.mission_source, sortie.vehicle_source, 0.0, simulated)
-    try:
-        flown = in_lockstep(
-            SimulatedFlight(sortie, simulated, asked.from_ground, asked.duration), recorder, lambda _: lambda _: None
-        )
-    except BaseException:
-        recorder.discard()
-        raise
-    _finish(flown, recorder, asked.settle)
-    return Flight(folder, temporary)
+    return SimulatedFlight(sortie, simulated, asked.from_ground, asked.duration, lean=asked.lean)
 
 
 def _finish(flown: Flown, recorder: Recorder, settle: float) -> None:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from companion.daemon.asked_of_vehicle import WANTED
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.last_resort import LastResort
 from companion.flight.conduct import Conduct
@@ -19,12 +20,14 @@ from companion.mission import GlobalOrigin, Mission, Origin
 from companion.places.origins import VehicleLocation, placed
 from companion.record.circumstances import Simulated
 from companion.record.folder import Recorder
+from companion.record.table import Table
+from companion.record.ticks import Ticks
 from companion.vehicle import OutputLevel
 from companion.world import Home, Start, World
 from sim_bridge.autopilot.xrce import Release
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
-from sim_bridge.truth_file import TruthFile
+from sim_bridge.truth_file import TruthFile, TruthRows
 
 DEFAULT_DURATION = 60.0
 """s of following for a mission that has no end of its own (round, or back and forth, without laps) and is told none."""
@@ -39,13 +42,15 @@ LONGEST = 3600.0
 @dataclass(frozen=True)
 class SimulatedFlight:
     """One flight in a world. ``from_ground``: it begins on the ground, disarmed. ``duration``: s of following.
-    ``xrce``: the vehicle is a stock PX4 with an XRCE client, and motors and torques go there."""
+    ``xrce``: the vehicle is a stock PX4 with an XRCE client, and motors and torques go there. ``lean``: it streams only
+    what a companion looks at, a third of what PX4 streams."""
 
     sortie: Sortie
     simulated: Simulated
     from_ground: bool
     duration: float | None
     xrce: bool = field(default=False, kw_only=True)
+    lean: bool = field(default=False, kw_only=True)
 
 
 class Flown(NamedTuple):
@@ -61,18 +66,7 @@ def in_lockstep(
 ) -> Flown:
     """Fly. ``begun`` is told the conductor before the first step; what it returns is called after every step with the
     simulated time, s, and once more at the end."""
-    sortie = flight.sortie
-    mission, world = at_home(sortie.mission, flight.simulated.world)
-    bridge = Bridge(
-        sortie.vehicle,
-        world,
-        seed=flight.simulated.seed,
-        direct=sortie.level is OutputLevel.MOTORS and not flight.xrce,
-        start=None if flight.from_ground else start_of(mission),
-        landed=flight.from_ground,
-        endpoints=1,
-        xrce=Release.MAIN if flight.xrce else None,
-    )
+    bridge = _bridge_of(flight)
     conductor = Conductor(orders_of(flight), recorder, bridge.now)
     look = begun(conductor)
     with contextlib.ExitStack() as stack:
@@ -85,9 +79,43 @@ def in_lockstep(
                 truth_file.append(truth, bridge.autopilot.commands)
             look(bridge.now)
 
-        failure = fly(conductor, bridge, watch, OVERHEAD + (flight.duration or LONGEST), survive=True)
+        failure = fly(conductor, bridge, watch, _longest(flight), survive=True)
         look(bridge.now)
     return Flown(conductor, bridge.now, failure)
+
+
+def in_memory(flight: SimulatedFlight) -> tuple[Flown, Ticks, Table]:
+    """Fly, and leave nothing behind: how it went, its ticks, and the plant's true states."""
+    bridge = _bridge_of(flight)
+    ticks, truths = Ticks(), TruthRows()
+    conductor = Conductor(orders_of(flight), ticks, bridge.now)
+
+    def watch(conductor: Conductor, truth: Truth) -> None:
+        truths.append(truth, bridge.autopilot.commands)
+
+    failure = fly(conductor, bridge, watch, _longest(flight), survive=True)
+    return Flown(conductor, bridge.now, failure), ticks, truths.table
+
+
+def _longest(flight: SimulatedFlight) -> float:
+    return OVERHEAD + (flight.duration or LONGEST)
+
+
+def _bridge_of(flight: SimulatedFlight) -> Bridge:
+    """The vehicle in its world."""
+    sortie = flight.sortie
+    mission, world = at_home(sortie.mission, flight.simulated.world)
+    return Bridge(
+        sortie.vehicle,
+        world,
+        seed=flight.simulated.seed,
+        direct=sortie.level is OutputLevel.MOTORS and not flight.xrce,
+        start=None if flight.from_ground else start_of(mission),
+        landed=flight.from_ground,
+        endpoints=1,
+        xrce=Release.MAIN if flight.xrce else None,
+        only=WANTED if flight.lean else None,
+    )
 
 
 def start_of(mission: Mission, held: bool = True) -> Start:

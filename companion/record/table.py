@@ -46,7 +46,7 @@ class TableWriter(GrowingFile):
 
     def __init__(self, path: Path, columns: tuple[Column, ...]) -> None:
         self._packer = struct.Struct("<" + "".join(column.code for column in columns))
-        self._codes = [column.code for column in columns]
+        self._columns = columns
         self.dtype = dtype_of(columns)
         head = header(self.dtype, 0)
         self._start = len(head)
@@ -54,15 +54,12 @@ class TableWriter(GrowingFile):
         super().__init__(path, ROWS_WAITING, head)
 
     def row(self, row: Row) -> None:
-        """Take a row. What does not go into its column (a number too large for 32 bits) is brought to its limit."""
-        try:
-            packed = self._packer.pack(*row)
-        except (struct.error, OverflowError):
-            packed = self._packer.pack(*map(_fitted, row, self._codes))
+        """Take a row."""
+        whole = packed(self._packer, self._columns, row)
         if self.lost:
             self.lost += 1
         else:
-            self.append(packed)
+            self.append(whole)
 
     def sync(self) -> None:
         """See GrowingFile; then a header that counts what is there."""
@@ -176,6 +173,14 @@ def _unbroken(clock: NDArray[np.float64], counted: int) -> int:
     late = clock[counted:]
     holds = (late > 0.0) & (late >= np.concatenate(([before], late[:-1])))
     return len(late) if np.all(holds) else int(np.argmin(holds))
+
+
+def packed(packer: struct.Struct, columns: tuple[Column, ...], row: Row) -> bytes:
+    """A row as bytes. What does not go into its column (a number too large for 32 bits) is brought to its limit."""
+    try:
+        return packer.pack(*row)
+    except (struct.error, OverflowError):
+        return packer.pack(*(_fitted(value, column.code) for value, column in zip(row, columns, strict=True)))
 
 
 def _fitted(value: Any, code: str) -> Any:

@@ -293,3 +293,18 @@ def test_a_link_with_delay_delivers_late_in_order() -> None:
     stamps = [fields["time_boot_ms"] for fields in client.all("ATTITUDE")]
     assert stamps == sorted(stamps)
     assert stamps[-1] == pytest.approx(client.bridge.now * 1e3 - 20.0, abs=12.0)
+
+
+def test_only_what_the_other_end_looks_at() -> None:
+    """Less is said, and what is said comes when it came before; answers come as ever."""
+    whole, lean = Client(endpoints=1), Client(endpoints=1, only={message("ODOMETRY").id, message("HEARTBEAT").id})
+    for client in (whole, lean):
+        assert client.command(SET_INTERVAL, message("ATTITUDE").id, 4000.0) == ACCEPTED
+        client.run(2.0)
+    polled = {"COMMAND_ACK", "MISSION_CURRENT", "CURRENT_EVENT_SEQUENCE"}  # no streams, and told all the same
+    assert {heard.name for heard in lean.heard} == {"ODOMETRY", "HEARTBEAT", *polled}
+    for name in ("ODOMETRY", "HEARTBEAT"):
+        told = [
+            [(heard.at, repr(heard.fields)) for heard in client.heard if heard.name == name] for client in (lean, whole)
+        ]
+        assert told[0] == told[1] and told[0]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -65,10 +65,13 @@ class Stream:
 class Streams:
     """The streams of one link. ``step_us``: the bridge's step.
 
-    ``direct``: the plant's own estimator runs at every step; otherwise PX4's ceilings hold.
+    ``direct``: the plant's own estimator runs at every step; otherwise PX4's ceilings hold. ``only``: the messages
+    that are sent at all, by their ids; None: every one that PX4 sends.
     """
 
-    def __init__(self, profile: Profile, step_us: int, *, direct: bool, boot: Boot | None) -> None:
+    def __init__(
+        self, profile: Profile, step_us: int, *, direct: bool, boot: Boot | None, only: Collection[int] | None = None
+    ) -> None:
         self._streams: dict[int, Stream] = {}
         self._calendar: dict[int, list[int]] = {}  # time -> the messages to send then
         self._now = 0
@@ -78,7 +81,8 @@ class Streams:
             source = step_us if direct and row.source_us <= ESTIMATOR_US else max(step_us, row.source_us)
             interval, told = _intervals(profile.rate(row), source)
             since = 0.0 if boot is None else boot.heartbeat if msgid in FIXED else boot.streams
-            stream = Stream(interval, told, interval, told, source, round(since * 1e6), msgid in rows)
+            is_sent = msgid in rows and (only is None or msgid in only)
+            stream = Stream(interval, told, interval, told, source, round(since * 1e6), is_sent)
             self._streams[msgid] = stream
             self._schedule(msgid, stream, max(step_us, stream.since_us))
 

@@ -1,0 +1,57 @@
+"""The ticks and the true states of a flight in memory: for its figures, where nobody asked for a folder."""
+
+from __future__ import annotations
+
+import struct
+from typing import Protocol
+
+import numpy as np
+
+from companion.pilot import Memory, Observation, Outcome
+from companion.plan import Plan
+from companion.record import rows
+from companion.record.table import Table, dtype_of, packed
+
+
+class TickRecorder(Protocol):
+    """What a conductor tells of a flight; see ``folder.Recorder``."""
+
+    def frame(self, now: float, raw: bytes) -> None:
+        """One frame, either direction."""
+
+    def begin(self, plan: Plan, now: float) -> None:
+        """The plan is ready and the pilot begins."""
+
+    def retuned(self, changed: dict[str, float], now: float) -> None:
+        """Gains or limits were set from outside."""
+
+    def tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
+        """One tick of the pilot."""
+
+
+class Ticks:
+    """Keeps what the summary is made of, and no frame. ``table``: as that of a flight folder."""
+
+    _packer = struct.Struct("<" + "".join(column.code for column in rows.COLUMNS))
+    _dtype = dtype_of(rows.COLUMNS)
+
+    def __init__(self) -> None:
+        self._rows: list[bytes] = []
+
+    def frame(self, now: float, raw: bytes) -> None:
+        """Nothing is kept."""
+
+    def begin(self, plan: Plan, now: float) -> None:
+        """Nothing is kept."""
+
+    def retuned(self, changed: dict[str, float], now: float) -> None:
+        """Nothing is kept."""
+
+    def tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
+        """One tick of the pilot."""
+        self._rows.append(packed(self._packer, rows.COLUMNS, rows.row(seen, memory, outcome, now, latency)))
+
+    @property
+    def table(self) -> Table:
+        """Every tick so far."""
+        return np.frombuffer(b"".join(self._rows), self._dtype)
