@@ -17,6 +17,8 @@ from companion.vehicle import OutputLevel
 
 Figures = dict[str, Any]
 Array = NDArray[np.float64]
+NEAR_GROUND = 0.1
+"""m above the origin within which a speed downwards is one of touching the ground (engineering choice)."""
 
 
 def summary(
@@ -44,7 +46,11 @@ def summary(
     }
     if truth is not None:
         true = true_series(plan, told, truth)
-        result["truth"] = {"follow": _figures(true, plan), "settled": _settled(true, plan, settle)}
+        result["truth"] = {
+            "follow": _figures(true, plan),
+            "settled": _settled(true, plan, settle),
+            "flight": _whole(truth),
+        }
     result["loop"] = _loop(table)
     result["found"] = found(told)
     result["version"] = software_version()
@@ -109,6 +115,23 @@ def _settled(flown: dict[str, Array], plan: Plan, settle: float) -> Figures:
         "tilt_max_deg": float(np.degrees(np.max(late["tilt"]))),
         "thrust_n": {"min": float(np.min(late["thrust"])), "max": float(np.max(late["thrust"]))},
         "motor": _motor(late, plan),
+    }
+
+
+def _whole(truth: Table) -> Figures:
+    """From the first step to the last, on the ground too. ``impact_mps``: the fastest it came down within NEAR_GROUND
+    of its origin's height; 0 where it did not."""
+    if len(truth) == 0:
+        return dict.fromkeys(("height_min_m", "height_max_m", "speed_max_mps", "tilt_max_deg", "impact_mps"))
+    height, down = -truth["p_n"][:, 2], truth["v_n"][:, 2]
+    x, y = truth["q_nb"][:, 1], truth["q_nb"][:, 2]
+    cosine = np.clip(1.0 - 2.0 * (x * x + y * y), -1.0, 1.0)
+    return {
+        "height_min_m": float(np.min(height)),
+        "height_max_m": float(np.max(height)),
+        "speed_max_mps": float(np.max(np.linalg.norm(truth["v_n"], axis=1))),
+        "tilt_max_deg": float(np.degrees(np.arccos(np.min(cosine)))),
+        "impact_mps": float(max(0.0, np.max(down[height < NEAR_GROUND], initial=0.0))),
     }
 
 
