@@ -50,7 +50,7 @@ MAY_IMPORT: dict[str, str] = {
     "library": "frames geodesy calculus vehicle world paths law mission places allocation px4_allocation feasibility flight plan pilot "
     "mavlink config record daemon",
     "watch": "plain_text record daemon",
-    "study": "vehicle config record library",
+    "study": "vehicle calculus config record library",
     "cli": "*",
 }
 SIM_BRIDGE = {"plain_text", "mavlink_common", "frames", "geodesy", "vehicle", "world", "mavlink", "xrce"}

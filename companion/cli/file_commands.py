@@ -44,7 +44,7 @@ def new(
         typer.Argument(
             metavar="KIND",
             help="A kind of path (circle, ellipse, lissajous, line, polyline, spline, expression, helix, implicit, "
-            "plan), vehicle or world.",
+            "plan), vehicle, world or study.",
         ),
     ],
     file: Annotated[
@@ -52,7 +52,7 @@ def new(
     ] = None,
     force: Force = False,
 ) -> None:
-    """Write a commented example of a mission, a vehicle or a world, to begin from."""
+    """Write a commented example of a mission, a vehicle, a world or a study, to begin from."""
     from companion.cli.new import new as write
 
     write(kind, file, force)

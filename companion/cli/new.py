@@ -28,7 +28,9 @@ def new(kind: str, file: Path | None, force: bool) -> None:
         say(f"{plan}: a small plan, to be replaced by your own")
     write(target, example(kind, plan.name))
     say(f"{target}: written")
-    if kind in MODELS:
+    if kind == "study":
+        say(f"next: companion study run {target}")
+    elif kind in MODELS:
         say(f"next: companion sim circle --{kind} {target}")
     else:
         say(f"next: companion check {target}; companion sim {target}")

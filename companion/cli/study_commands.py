@@ -41,8 +41,8 @@ def run(
 
     read = load_study(file)
     directory = record or (last_study_directory(read.name) if resume else None) or new_study_directory(read.name)
-    results = Results(directory, read, file.parent, resume)
-    cases = [case for case in cases_of(read, file.parent) if case.index not in results.rows]
+    results = Results(directory, read, resume)
+    cases = [case for case in cases_of(read) if case.index not in results.rows]
     say(f"{read.name}: {len(cases)} of {read.flights} flights to fly, results in {directory}")
     interrupted = False
     with Progress(len(cases)) as progress:
@@ -66,7 +66,7 @@ def report(directory: Folder) -> None:
     from companion.study.results import load_rows, load_run_study, write_tables
     from companion.study.telling import in_words
 
-    rows, (read, _) = load_rows(directory), load_run_study(directory)
+    rows, read = load_rows(directory), load_run_study(directory)
     write_tables(directory, rows)
     for line in in_words(read.model, rows, read.flights) if rows else []:
         tell(line)
@@ -85,7 +85,7 @@ def replay(
     from companion.study.telling import line_of
 
     rows = {row["index"]: row for row in load_rows(directory)}
-    read, beside = load_run_study(directory)
+    read = load_run_study(directory)
     if index not in rows:
         raise ConfigError(
             [Fault("INDEX", 0, "", f"{index} is not among the {len(rows)} flights; expected one of them")]
@@ -93,7 +93,7 @@ def replay(
     folder, number = directory / "flights" / str(index), 2
     while folder.exists():
         folder, number = folder.with_name(f"{index}-{number}"), number + 1
-    again = row_of(cases_of(read, beside)[index], folder)
+    again = row_of(cases_of(read)[index], folder)
     tell(line_of(again))
     changed = [key for key in again if key not in ("wall_s", "version") and again[key] != rows[index].get(key)]
     if folder.is_dir():

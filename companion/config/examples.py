@@ -168,13 +168,38 @@ estimate: # how wrong the vehicle's idea of its state is
 events: # what happens at a time, s
   - {kind: push, from_s: 20, to_s: 21, force_n: [0, 4, 0]} # north, east, down
 """
-KINDS = (*PATHS, "vehicle", "world")
+STUDY = """\
+study: my-study # its name
+mission: circle_r5 # a name in configs/missions, or a file beside this one
+vehicle: x500 # what the companion is told
+world: outdoor # what is so
+output: rates # auto, motors, rates or attitude
+duration: 20 # s of following; the mission's laps where absent
+settle: 5 # s after which a flight counts as settled
+# from_ground: true # a flight begins on the ground, and ends there
+flights: 32
+seed: 1 # flight i has seed 1 + i
+# sampling: latin # how draws are made: sobol, latin, random, or saltelli, which gives Sobol indices
+vary: # mission, vehicle, world, any of their keys, flight.duration ..., or names of your own for formulas
+  mission.speed: {choice: [2, 4]} # m/s; a grid of every choice and range with every other
+  mass: {normal: [2.0, 0.1]} # kg; also uniform, loguniform, weibull: drawn
+  world.truth.mass_kg: {formula: mass}
+  world.truth.inertia_kgm2: {formula: [0.011*mass, 0.011*mass, 0.02*mass]}
+  world.wind_mps[0]: {uniform: [-4, 4]} # m/s, to the north
+# completed: false # giving up in order passes too
+require: # of each flight: figures of its summary
+  truth.settled.path_error_m.rms: {max: 0.15} # m
+pass_rate: 0.95 # the least share of flights that must pass
+confidence: 0.95 # how sure the bounds of that share are
+"""
+KINDS = (*PATHS, "vehicle", "world", "study")
+_WHOLE = {"vehicle": VEHICLE, "world": WORLD, "study": STUDY}
 
 
 def example(kind: str, plan_file: str = "") -> str:
     """The text of an example of ``kind``. ``plan_file``: the name of the plan that an example of kind plan flies."""
-    if kind in ("vehicle", "world"):
-        return editor_line(f"{kind}.schema.json") + (VEHICLE if kind == "vehicle" else WORLD)
+    if kind in _WHOLE:
+        return editor_line(f"{kind}.schema.json") + _WHOLE[kind]
     plan = kind == "plan"
     origin = "# origin: takeoff # flies the plan's shape from there; where absent it is flown where it was drawn\n"
     around = "laps: 2 # how many times around; until told to stop where absent"

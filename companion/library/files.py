@@ -43,6 +43,10 @@ class InputFile:
     folder: ClassVar[str] = ""
     """Where in configs/ its kind lies."""
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What travels to another process: the text; what was made of it is made again where it is needed."""
+        return {"source": self.source}
+
     @classmethod
     def load(cls, name: str | Path) -> Self:
         """The file of a name in configs/ or a path. ConfigError with every fault."""

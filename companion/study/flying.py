@@ -8,19 +8,20 @@ from pathlib import Path
 from typing import Any
 
 from companion.config.study.keys import RequireModel
-from companion.library.calls import Asked, simulate
+from companion.library.calls import Asked, simulate, summary_alone
 from companion.library.comparing import figures_of
 from companion.library.files import InputFile, MissionFile, VehicleFile, WorldFile
-from companion.library.flights import Flight
 from companion.record.circumstances import software_version
-from companion.study.reading import KINDS, Study, file_of, unmet
+from companion.study.reading import Study, unmet
 from companion.study.sampling import samples
+from companion.study.stored import at_hand
+from companion.study.variation import KINDS, inner_keys
 from companion.vehicle import CompanionError
 
 
 @dataclass(frozen=True)
 class Case:
-    """One flight of a study. ``varied``: its values by their keys. ``beside``: where files that vary lie."""
+    """One flight of a study, with its files. ``varied``: its values by their keys."""
 
     index: int
     mission: MissionFile
@@ -32,62 +33,68 @@ class Case:
     seed: int
     varied: dict[str, Any]
     require: dict[str, RequireModel]
-    beside: str
+    completed: bool
+    from_ground: bool
 
 
-def cases_of(study: Study, beside: Path) -> list[Case]:
+def cases_of(study: Study) -> list[Case]:
     """Every flight of a study."""
     model = study.model
     made = samples(model.vary, study.flights, model.sampling, model.seed)
     return [
         Case(
             index,
-            study.mission,
-            study.vehicle,
-            study.world,
+            *_files_of(study, varied),
             model.output,
             model.duration,
             model.settle,
             model.seed + index,
             varied,
             model.require,
-            str(beside),
+            model.completed,
+            model.from_ground,
         )
         for index, varied in enumerate(made)
     ]
 
 
-def fly(case: Case, record: Path | None = None) -> Flight:
-    """Fly it. ConfigError: its values make no flight. CompanionError: it did not begin."""
-    files: dict[str, InputFile] = {"mission": case.mission, "vehicle": case.vehicle, "world": case.world}
-    changes: dict[str, dict[str, Any]] = {kind: {} for kind in KINDS}
+def _files_of(study: Study, varied: dict[str, Any]) -> tuple[MissionFile, VehicleFile, WorldFile]:
+    """The study's own files, or those that a flight chooses."""
+    usual = {"mission": study.mission, "vehicle": study.vehicle, "world": study.world}
+    files = (study.chosen[kind, str(varied[kind])] if kind in varied else usual[kind] for kind in KINDS)
+    mission, vehicle, world = files
+    assert isinstance(mission, MissionFile) and isinstance(vehicle, VehicleFile) and isinstance(world, WorldFile)
+    return mission, vehicle, world
+
+
+def asked_of(case: Case, mission: MissionFile, record: Path | None = None) -> Asked:
+    """The flight as the library is asked for it. ``mission``: the case's, at hand. ConfigError: its values make no
+    files."""
+    usual: dict[str, InputFile] = {"mission": mission, "vehicle": case.vehicle, "world": case.world}
+    changes = {kind: inner_keys(case.varied, kind) for kind in KINDS}
     options: dict[str, Any] = {
         "output": case.output, "duration": case.duration, "settle": case.settle, "seed": case.seed,
+        **inner_keys(case.varied, "flight"),
     }  # fmt: skip
-    for key, value in case.varied.items():
-        kind, _, inner = key.partition(".")
-        if kind == "flight":
-            options[inner] = value
-        elif inner:
-            changes[kind][inner] = value
-        else:
-            files[kind] = file_of(kind, str(value), Path(case.beside))
-    mission, vehicle, world = (files[kind].changed(changes[kind]) if changes[kind] else files[kind] for kind in KINDS)
-    assert isinstance(mission, MissionFile) and isinstance(vehicle, VehicleFile) and isinstance(world, WorldFile)
-    return simulate(
-        Asked(mission, vehicle, world, str(options["output"]), options["duration"], int(options["seed"]), None,
-              float(options["settle"]), False, None, record)
+    flown, vehicle, world = (usual[kind].changed(changes[kind]) if changes[kind] else usual[kind] for kind in KINDS)
+    assert isinstance(flown, MissionFile) and isinstance(vehicle, VehicleFile) and isinstance(world, WorldFile)
+    return Asked(
+        flown, vehicle, world, str(options["output"]), options["duration"], int(options["seed"]), None,
+        float(options["settle"]), case.from_ground, None, record, lean=True,
     )  # fmt: skip
 
 
 def row_of(case: Case, record: Path | None = None) -> dict[str, Any]:
-    """The flight as one row: its values, how it ended, every number of its summary. Never raises."""
+    """The flight as one row: its values, how it ended, every number of its summary. ``record``: its folder, where one
+    is wanted. Never raises."""
     begun = time.monotonic()
     row: dict[str, Any] = {"index": case.index, "seed": case.varied.get("flight.seed", case.seed)}
     row |= {f"vary.{name}": value for name, value in case.varied.items()}
     figures: dict[str, Any] = {}
     try:
-        summary = fly(case, record).summary
+        with at_hand(case.mission) as mission:
+            asked = asked_of(case, mission, record)
+            summary = summary_alone(asked) if record is None else simulate(asked).summary
         row |= {"outcome": summary["outcome"], "reason": summary["reason"]}
         figures = dict(figures_of(summary, ("follow", "settled", "truth", "loop", "found")))
         failed = unmet(case.require, figures)
@@ -97,6 +104,6 @@ def row_of(case: Case, record: Path | None = None) -> dict[str, Any]:
     except Exception as error:  # a flight that breaks the software is a result, and the others go on
         row |= {"outcome": "failed", "reason": f"{type(error).__name__}: {error}"}
         failed = []
-    row["passed"] = row["outcome"] == "completed" and not failed
+    row["passed"] = row["outcome"] in (("completed",) if case.completed else ("completed", "aborted")) and not failed
     row["unmet"] = "; ".join(failed)
     return {**row, **figures, "version": software_version(), "wall_s": time.monotonic() - begun}

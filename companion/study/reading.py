@@ -7,24 +7,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
-from companion.config.study.keys import RequireModel, StudyModel, VaryModel
+from companion.config.study.keys import RequireModel, StudyModel
 from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import read
 from companion.config.syntax.schema import validate
 from companion.library.files import InputFile, MissionFile, VehicleFile, WorldFile
 from companion.library.orders import vehicle_source
-from companion.study.sampling import ends_of, grid_size
+from companion.study.sampling import drawn_names, grid_size, saltelli_block, whole_power
+from companion.study.variation import KINDS, Chosen, check_variation, file_of
 
-KINDS: dict[str, type[InputFile]] = {"mission": MissionFile, "vehicle": VehicleFile, "world": WorldFile}
-OF_A_FLIGHT = ("output", "seed", "duration", "settle")
 FLIGHTS = 100
 """Flights of a study that draws and does not say how many (engineering choice)."""
 _SIZES = ("path_error_m", "speed_error_mps", "yaw_error_deg")
 _FLOWN = ("duration_s", "distance_m", "laps", "speed_mean_over_alpha")
 _SETTLED = ("roll_max_deg", "pitch_max_deg", "tilt_max_deg", "thrust_n.min", "thrust_n.max", "motor.saturated_fraction")
+_FLIGHT = ("height_min_m", "height_max_m", "speed_max_mps", "tilt_max_deg", "impact_mps")
 FIGURES = (
     *(
         f"{part}.{name}"
@@ -32,6 +30,10 @@ FIGURES = (
         for name in (*_FLOWN, *(f"{size}.{which}" for size in _SIZES for which in ("rms", "max")))
     ),
     *(f"{part}.{name}" for part in ("settled", "truth.settled") for name in _SETTLED),
+    *(
+        f"truth.flight.{name}"
+        for name in ("height_min_m", "height_max_m", "speed_max_mps", "tilt_max_deg", "impact_mps")
+    ),
     *("loop.rate_hz", "loop.gap_max_ms"),
 )
 """What may be required of."""
@@ -39,12 +41,14 @@ FIGURES = (
 
 @dataclass(frozen=True)
 class Study:
-    """``mission``, ``vehicle``, ``world``: the files that every flight begins from. ``text``: of the study's file."""
+    """``mission``, ``vehicle``, ``world``: the files that every flight begins from. ``chosen``: those that a choice
+    puts in their places, by kind and name. ``text``: of the study's file."""
 
     model: StudyModel
     mission: MissionFile
     vehicle: VehicleFile
     world: WorldFile
+    chosen: Chosen
     text: str
 
     @property
@@ -55,9 +59,13 @@ class Study:
     @property
     def flights(self) -> int:
         """How many."""
-        given, grid = self.model.flights, grid_size(self.model.vary)
-        drawn = any(each.choice is None and each.range is None for each in self.model.vary.values())
-        return given if given is not None else FLIGHTS if drawn else grid
+        given, grid, drawn = self.model.flights, grid_size(self.model.vary), len(drawn_names(self.model.vary))
+        if given is not None or not drawn:
+            return given or grid
+        if self.model.sampling != "saltelli":
+            return FLIGHTS
+        block = grid * saltelli_block(drawn)
+        return block * whole_power(FLIGHTS / block)
 
 
 def load_study(file: Path) -> Study:
@@ -79,20 +87,20 @@ def study_from(text: str, name: str) -> Study:
         if not isinstance(document.data, dict):
             raise
     files = _files(document, faults)
-    _check_variation(document, files, faults)
+    chosen = check_variation(document, files, faults)
     _check_requirements(document, faults)
+    if model is not None:
+        _check_design(document, model, faults)
     if faults or model is None:
         raise ConfigError(faults)
+    return study_of(model, files, chosen, text)
+
+
+def study_of(model: StudyModel, files: dict[str, InputFile], chosen: Chosen, text: str) -> Study:
+    """A study of files that are at hand."""
     mission, vehicle, world = (files[kind] for kind in KINDS)
     assert isinstance(mission, MissionFile) and isinstance(vehicle, VehicleFile) and isinstance(world, WorldFile)
-    return Study(model, mission, vehicle, world, text)
-
-
-def file_of(kind: str, name: str, beside: Path) -> InputFile:
-    """The file of a name in configs/, or a path seen from the study's file. ConfigError with every fault."""
-    path = Path(name)
-    is_path = path.suffix or len(path.parts) != 1
-    return KINDS[kind].load(beside / path if is_path else name)
+    return Study(model, mission, vehicle, world, chosen, text)
 
 
 def _files(document: Document, faults: list[Fault]) -> dict[str, InputFile]:
@@ -114,39 +122,6 @@ def _files(document: Document, faults: list[Fault]) -> dict[str, InputFile]:
     return files
 
 
-def _check_variation(document: Document, files: dict[str, InputFile], faults: list[Fault]) -> None:
-    """Whether every key that varies leads somewhere, and its ends may be flown."""
-    vary = document.data.get("vary")
-    for key, given in vary.items() if isinstance(vary, dict) else ():
-        at = ("vary", key)
-        kind, _, inner = key.partition(".")
-        try:
-            model = VaryModel.model_validate(given)
-        except ValidationError:
-            model = None  # said already
-        if kind == "flight" and inner in OF_A_FLIGHT:
-            continue
-        if kind not in KINDS:
-            expected = [*KINDS, *(f"{each}.KEY" for each in KINDS), *(f"flight.{each}" for each in OF_A_FLIGHT)]
-            faults.append(document.fault(at, f"is not known; expected {', '.join(expected)}"))
-            continue
-        if model is None or kind not in files:
-            continue
-        for value in ends_of(model):
-            try:
-                if inner:
-                    files[kind].changed({inner: value})
-                else:
-                    file_of(kind, str(value), Path(document.file).parent)
-            except ConfigError as error:
-                faults += [document.fault(at, _said(fault, inner)) for fault in error.faults]
-                break
-
-
-def _said(fault: Fault, inner: str) -> str:
-    return fault.message if not fault.key or fault.key == inner else f"{fault.key}: {fault.message}"
-
-
 def _check_requirements(document: Document, faults: list[Fault]) -> None:
     required = document.data.get("require")
     for key in required if isinstance(required, dict) else ():
@@ -154,6 +129,21 @@ def _check_requirements(document: Document, faults: list[Fault]) -> None:
             close = difflib.get_close_matches(key, FIGURES, 1)
             hint = f"did you mean {close[0]}?" if close else "expected a figure such as truth.settled.path_error_m.rms"
             faults.append(document.fault(("require", key), f"is no figure of a flight; {hint}"))
+
+
+def _check_design(document: Document, model: StudyModel, faults: list[Fault]) -> None:
+    """Saltelli's design has whole blocks, and a power of two of them."""
+    if model.sampling != "saltelli":
+        return
+    drawn = len(drawn_names(model.vary))
+    if not drawn:
+        faults.append(document.fault(("sampling",), "draws nothing; expected a key of vary that is no choice or range"))
+        return
+    block = grid_size(model.vary) * saltelli_block(drawn)
+    if model.flights is not None and model.flights != (more := block * whole_power(model.flights / block)):
+        less = f"{more // 2} or " if more > block else ""
+        message = f"{model.flights} flights are no whole design of {drawn} draws; expected {less}{more}"
+        faults.append(document.fault(("flights",), message))
 
 
 def unmet(required: dict[str, RequireModel], row: dict[str, Any]) -> list[str]:

@@ -1,7 +1,7 @@
 """The results of a study: one line a flight, appended as it lands; whole as CSV and Parquet.
 
 study.yaml       the study as it was
-study.pickle     the files it flies, as they were, for a replay
+files.json       the files it flies, as they were, for a replay
 rows.jsonl       one JSON line a flight, in the order of landing; a kill costs at most the line that is being written
 results.csv      the same in the order of the flights, written when the study ends or is asked for its report
 results.parquet  the same, where pyarrow is there
@@ -14,7 +14,6 @@ import fcntl
 import io
 import json
 import os
-import pickle
 import re
 import time
 from collections.abc import Iterable
@@ -24,6 +23,7 @@ from typing import IO, Any
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.record.files import write_whole
 from companion.study.reading import Study
+from companion.study.stored import files_text, study_with
 
 Row = dict[str, Any]
 LAST = ("version", "wall_s")
@@ -33,7 +33,7 @@ LAST = ("version", "wall_s")
 class Results:
     """The folder of a study that is run. One writer at a time. ``rows``: of every flight so far, by its number."""
 
-    def __init__(self, directory: Path, study: Study, beside: Path, resume: bool) -> None:
+    def __init__(self, directory: Path, study: Study, resume: bool) -> None:
         self.directory = directory
         directory.mkdir(parents=True, exist_ok=True)
         log = directory / "rows.jsonl"
@@ -46,7 +46,7 @@ class Results:
                 )
         else:
             write_whole(directory / "study.yaml", study.text)
-            (directory / "study.pickle").write_bytes(pickle.dumps((study, str(beside.resolve()))))
+            write_whole(directory / "files.json", files_text(study))
         self._file: IO[bytes] = log.open("ab")
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -80,15 +80,14 @@ def load_rows(directory: Path) -> list[Row]:
     return [rows[index] for index in sorted(rows)]
 
 
-def load_run_study(directory: Path) -> tuple[Study, Path]:
-    """The study that was run in a folder, and where its files lay. ConfigError: it is no folder of a study."""
+def load_run_study(directory: Path) -> Study:
+    """The study that was run in a folder, of the files as they were then. ConfigError: it is no folder of a study."""
     try:
-        study, beside = pickle.loads((directory / "study.pickle").read_bytes())
-    except (OSError, pickle.UnpicklingError, AttributeError, EOFError):
-        message = "study.pickle cannot be read; expected the folder of a study that this version has run"
+        text = (directory / "study.yaml").read_text(encoding="utf-8")
+        return study_with(text, (directory / "files.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        message = f"its study.yaml and files.json cannot be read ({error}); expected the folder of a study that was run"
         raise ConfigError([Fault(str(directory), 0, "", message)]) from None
-    assert isinstance(study, Study)
-    return study, Path(beside)
 
 
 def new_study_directory(name: str) -> Path:

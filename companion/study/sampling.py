@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from companion.calculus.expression import Expression, parse
 from companion.config.study.keys import VaryModel
 
 TAIL = 1e-6
@@ -58,8 +60,23 @@ def quantile(model: VaryModel, p: float) -> float:
 
 
 def drawn_names(vary: Mapping[str, VaryModel]) -> list[str]:
-    """What is drawn, not taken from the grid."""
-    return [name for name, model in vary.items() if grid_values(model) is None]
+    """What is drawn: neither taken from the grid nor made by a formula."""
+    return [name for name, model in vary.items() if grid_values(model) is None and model.formula is None]
+
+
+def completed(vary: Mapping[str, VaryModel], values: Mapping[str, Any]) -> dict[str, Any]:
+    """``values`` with what formulas make of them, in the order of ``vary``. ValueError, ArithmeticError, TypeError: a
+    formula makes nothing of them."""
+    made: dict[str, Any] = {}
+    for name, model in vary.items():
+        numbers = [float(_expression(text)(values)) for text in model.formulas]
+        made[name] = values[name] if not numbers else numbers[0] if isinstance(model.formula, str) else numbers
+    return made
+
+
+@functools.cache
+def _expression(text: str) -> Expression:
+    return parse(text, None)
 
 
 def samples(vary: Mapping[str, VaryModel], flights: int, sampling: str, seed: int) -> list[dict[str, Any]]:
@@ -78,7 +95,7 @@ def samples(vary: Mapping[str, VaryModel], flights: int, sampling: str, seed: in
             rest, which = divmod(rest, len(values))
             row[name] = values[which]
         row |= {name: quantile(vary[name], float(p)) for name, p in zip(drawn, points[index // size], strict=True)}
-        made.append({name: row[name] for name in vary})
+        made.append(completed(vary, row))
     return made
 
 
@@ -91,5 +108,28 @@ def _points(dimensions: int, flights: int, sampling: str, seed: int) -> Any:
 
     if sampling == "latin":
         return qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(flights)
-    whole = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(max(0, (flights - 1).bit_length()))
-    return whole[:flights]
+    blocks = saltelli_block(dimensions) if sampling == "saltelli" else 1
+    count = -(-flights // blocks)
+    sequence = qmc.Sobol(dimensions if blocks == 1 else 2 * dimensions, rng=np.random.default_rng(seed))
+    whole = sequence.random_base2(max(0, (count - 1).bit_length()))
+    return (whole if blocks == 1 else _saltelli(whole))[:flights]
+
+
+def saltelli_block(dimensions: int) -> int:
+    """Flights of each base point of Saltelli's design: A, B, and A with each value in its turn from B."""
+    return dimensions + 2
+
+
+def whole_power(count: float) -> int:
+    """The least power of two that is no less than ``count``."""
+    return 1 << max(0, math.ceil(count) - 1).bit_length()
+
+
+def _saltelli(points: Any) -> Any:
+    """Base points (each of twice the dimensions) -> the design, block by block."""
+    a, b = np.split(points, 2, axis=1)
+    dimensions = a.shape[1]
+    turned = np.repeat(a[:, None, :], dimensions, axis=1)
+    every = np.arange(dimensions)
+    turned[:, every, every] = b
+    return np.concatenate([a[:, None, :], b[:, None, :], turned], axis=1).reshape(-1, dimensions)

@@ -7,13 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from companion.config.study.keys import StudyModel
+from companion.study.explaining import error_name, explained, sobol_indices
 
 Row = dict[str, Any]
-ERRORS = ("truth.settled.path_error_m.rms", "settled.path_error_m.rms")
-"""What flights are ranked by: the first that is known."""
 WORST = 10
-ENOUGH = 8
-"""Flights from which on a rank correlation is told (engineering choice)."""
 
 
 class Rate(NamedTuple):
@@ -50,51 +47,64 @@ def holds(model: StudyModel, rows: list[Row], flights: int) -> bool:
     return len(rows) == flights and pass_rate(model, rows).share >= model.pass_rate
 
 
-def error_name(rows: list[Row]) -> str | None:
-    """The figure that flights are ranked by; None where no flight has one."""
-    return next((name for name in ERRORS if any(row.get(name) is not None for row in rows)), None)
-
-
 def worst(rows: list[Row], count: int = WORST) -> list[Row]:
     """Those that did not pass first, then by their error, largest first."""
     name = error_name(rows) or ""
     return sorted(rows, key=lambda row: (bool(row["passed"]), -(row.get(name) or 0.0), row["index"]))[:count]
 
 
-def explained(rows: list[Row]) -> list[tuple[str, float]]:
-    """Spearman's rank correlation of each numeric value that varies with the error, strongest first."""
-    from scipy.stats import spearmanr
+class Errors(NamedTuple):
+    """The figure that flights are ranked by, in cm: under which 5, 50 and 95 % of the flights lie, and the largest."""
 
+    name: str
+    low: float
+    middle: float
+    high: float
+    largest: float
+
+
+def errors_of(rows: list[Row]) -> Errors | None:
+    """How large the errors are; None where no flight has one."""
     name = error_name(rows)
-    known = [row for row in rows if name is not None and row.get(name) is not None]
-    if name is None or len(known) < ENOUGH:
-        return []
-    found = []
-    for key in [key for key in known[0] if key.startswith("vary.")]:
-        values = [row[key] for row in known]
-        if all(isinstance(v, int | float) and not isinstance(v, bool) for v in values) and len(set(values)) > 1:
-            correlation = float(spearmanr(values, [row[name] for row in known]).statistic)
-            if np.isfinite(correlation):
-                found.append((key.removeprefix("vary."), correlation))
-    return sorted(found, key=lambda each: -abs(each[1]))
+    if name is None:
+        return None
+    errors = np.array([row[name] for row in rows if row.get(name) is not None]) * 100.0
+    low, middle, high = np.percentile(errors, [5, 50, 95])
+    return Errors(name, float(low), float(middle), float(high), float(errors.max()))
 
 
-def in_words(model: StudyModel, rows: list[Row], flights: int) -> list[str]:
-    """The verdict and what stands behind it, in lines."""
-    rate, name = pass_rate(model, rows), error_name(rows)
-    verdict = "holds" if holds(model, rows, flights) else "does not hold" if len(rows) == flights else "is not complete"
+def verdict(model: StudyModel, rows: list[Row], flights: int) -> list[str]:
+    """Whether it holds, in a line; and what is missing, in another."""
+    rate = pass_rate(model, rows)
+    said = "holds" if holds(model, rows, flights) else "does not hold" if len(rows) == flights else "is not complete"
     lines = [
-        f"{model.study} {verdict}: {rate.passed} of {rate.flights} flights passed ({100.0 * rate.share:.1f} %); the "
+        f"{model.study} {said}: {rate.passed} of {rate.flights} flights passed ({100.0 * rate.share:.1f} %); the "
         f"true rate lies between {100.0 * rate.low:.1f} and {100.0 * rate.high:.1f} %, {100.0 * model.confidence:g} % "
         f"sure; required {100.0 * model.pass_rate:g} %"
     ]
     if len(rows) < flights:
         lines.append(f"{flights - len(rows)} of {flights} flights are still to be flown: --resume")
-    if name is not None:
-        errors = np.array([row[name] for row in rows if row.get(name) is not None]) * 100.0
-        low, middle, high = np.percentile(errors, [5, 50, 95])
-        lines.append(f"{name}: median {middle:.2f} cm, 5 % to 95 % {low:.2f} to {high:.2f}, largest {errors.max():.2f}")
-    lines += [f"rank correlation with the error: {key} {value:+.2f}" for key, value in explained(rows)]
+    return lines
+
+
+def in_words(model: StudyModel, rows: list[Row], flights: int) -> list[str]:
+    """The verdict and what stands behind it, in lines."""
+    lines, errors = verdict(model, rows, flights), errors_of(rows)
+    if errors is not None:
+        lines.append(
+            f"{errors.name}: median {errors.middle:.2f} cm, 5 % to 95 % {errors.low:.2f} to {errors.high:.2f}, largest "
+            f"{errors.largest:.2f}"
+        )
+    lines += [f"rank correlation with the error: {key} {value:+.2f}" for key, value in explained(model, rows)]
+    found = sobol_indices(model, rows, flights)
+    if found is not None:
+        lines += [
+            f"Sobol index of the error: {key} alone explains {100.0 * first:.0f} % of its variance, with the others "
+            f"{100.0 * total:.0f} %"
+            for key, first, total in found
+        ]
+    elif model.sampling == "saltelli" and len(rows) == flights:
+        lines.append("no Sobol indices: a flight of the design has no error; see the worst flights")
     return lines
 
 
@@ -102,12 +112,13 @@ def line_of(row: Row) -> str:
     """A flight in a line."""
     name = error_name([row])
     error = "" if name is None else f", path error {100.0 * row[name]:.2f} cm"
-    varied = ", ".join(f"{key.removeprefix('vary.')} {_shown(v)}" for key, v in row.items() if key.startswith("vary."))
+    varied = ", ".join(f"{key.removeprefix('vary.')} {shown(v)}" for key, v in row.items() if key.startswith("vary."))
     why = row.get("unmet") or row.get("reason")
     return f"{row['index']:>6}  {'passed' if row['passed'] else row['outcome']}{error}; {varied}" + (
         f"; {why}" if why else ""
     )
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """A value that varies, short."""
     return f"{value:.4g}" if isinstance(value, float) else str(value)

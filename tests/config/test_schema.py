@@ -21,6 +21,8 @@ from companion.config.vehicle import load_vehicle
 from companion.config.world.world import load_world
 from companion.feasibility.report import check
 from companion.law.gains import Level
+from companion.study.flying import cases_of
+from companion.study.reading import load_study
 from tests.support.json_schema import wrong
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -111,6 +113,8 @@ def test_examples_can_be_flown_and_name_every_key(kind: str, tmp_path: Path) -> 
         load_vehicle(str(file))
     elif kind == "world":
         load_world(str(file))
+    elif kind == "study":
+        assert len(cases_of(load_study(file))) == 32
     else:
         assert check(load_mission(str(file), Level.RATES), load_vehicle("x500")).feasible
         used = schema["$defs"][f"{kind.capitalize()}Model"]["properties"]

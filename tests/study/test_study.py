@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import csv
+import functools
 import json
+import math
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +18,15 @@ from typer.testing import CliRunner
 from companion.cli.commands import app
 from companion.config.study.keys import StudyModel, VaryModel
 from companion.config.syntax.faults import ConfigError
+from companion.library.files import VehicleFile, WorldFile
 from companion.study.engine import flown
-from companion.study.flying import Case, cases_of, row_of
+from companion.study.explaining import ERRORS, explained, sobol_indices
+from companion.study.flying import Case, asked_of, cases_of, row_of
 from companion.study.reading import load_study, study_from
 from companion.study.results import Results, load_rows, load_run_study
 from companion.study.sampling import ends_of, quantile, samples
-from companion.study.telling import explained, holds, in_words, rate_of, worst
+from companion.study.stored import at_hand
+from companion.study.telling import holds, in_words, rate_of, worst
 
 ROOT = Path(__file__).resolve().parents[2]
 TINY = """\
@@ -72,7 +78,7 @@ def test_ten_mistakes_are_ten_lines_and_nothing_is_started(tmp_path: Path, monke
 
 @pytest.mark.parametrize("file", sorted((ROOT / "configs/studies").glob("*.yaml")), ids=lambda path: path.stem)
 def test_shipped_studies_can_be_run(file: Path) -> None:
-    assert len(cases_of(load_study(file), file.parent)) >= 100
+    assert len(cases_of(load_study(file))) >= 100
 
 
 def test_every_combination_of_a_grid_is_flown_at_the_same_draws() -> None:
@@ -115,29 +121,86 @@ def rows(count: int = 20) -> list[dict[str, Any]]:
 
 
 def test_the_verdict_the_worst_and_what_explains_them() -> None:
-    model = StudyModel(study="s", mission="m", pass_rate=0.95)
+    model = StudyModel(study="s", mission="m", pass_rate=0.95, vary={"mass": VaryModel(uniform=[0.0, 20.0])})
     assert holds(model, rows(), 20) and not holds(model, rows(), 21)
     assert not holds(model.model_copy(update={"pass_rate": 0.96}), rows(), 20)
     assert [row["index"] for row in worst(rows(), 3)] == [4, 19, 18]
-    assert explained(rows()) == [("mass", pytest.approx(1.0))]
+    assert explained(model, rows()) == [("mass", pytest.approx(1.0))]
     assert in_words(model, rows(), 20)[0].startswith("s holds: 19 of 20 flights passed (95.0 %)")
     assert "1 of 21 flights are still to be flown: --resume" in in_words(model, rows(), 21)
 
 
+def test_sobol_indices_are_those_of_ishigami() -> None:
+    """Ishigami's function with a = 7, b = 0.1: S = 0.314, 0.442, 0; total 0.558, 0.442, 0.244."""
+    uniform = VaryModel(uniform=[-math.pi, math.pi])
+    vary = {"z": uniform, "kind": VaryModel(choice=[-1.0, 1.0]), "x": uniform, "y": uniform}
+    model = StudyModel(study="s", mission="m", sampling="saltelli", vary=vary, flights=2 * 5 * 1024)
+    made = [
+        {"index": i, ERRORS[0]: math.sin(v["x"]) * (1.0 + 0.1 * v["z"] ** 4) + 7.0 * math.sin(v["y"]) ** 2 + v["kind"]}
+        for i, v in enumerate(samples(vary, 2 * 5 * 1024, "saltelli", 3))
+    ]
+    found = sobol_indices(model, made, len(made))
+    assert found is not None and [i.name for i in found] == ["y", "x", "z"]
+    assert [i.first for i in found] == pytest.approx([0.442, 0.314, 0.0], abs=0.03)
+    assert [i.total for i in found] == pytest.approx([0.442, 0.558, 0.244], abs=0.03)
+    assert sobol_indices(model, made[:-1], len(made)) is None
+    assert sobol_indices(model.model_copy(update={"sampling": "sobol"}), made, len(made)) is None
+
+
+def test_formulas_are_made_of_names_of_ones_own() -> None:
+    text = TINY.replace("  world.truth.mass_kg: {uniform: [1.8, 2.2]}\n", FORMULAS)
+    cases = cases_of(study_from(text, "tiny.yaml"))
+    for case in cases:
+        mass, told = case.varied["mass"], case.varied["told"]
+        assert case.varied["world.truth.mass_kg"] == mass and case.varied["vehicle.mass_kg"] == mass * told
+        assert case.varied["world.truth.inertia_kgm2"] == [0.01 * mass, 0.01 * mass, 0.02 * mass]
+        # a light frame with these rotors or a heavy one with those cannot be read, but nobody flies it
+        asked = asked_of(case, case.mission)
+        vehicle, world = asked.vehicle, asked.world
+        assert isinstance(vehicle, VehicleFile) and vehicle.value.mass == pytest.approx(mass * told)
+        assert isinstance(world, WorldFile) and world.value.truth.mass == mass and "mass" not in world.data
+    wrong = text.replace("mass*told}", "mass*tld}").replace("formula: mass}", "formula: 1/(mass - 0.6)}")
+    with pytest.raises(ConfigError) as found:
+        study_from(wrong, "tiny.yaml")
+    said = str(found.value)
+    assert "'tld' is unknown here; expected one of mass, told, pi" in said and "makes no number" in said
+    assert "told: is not known" in said and "a name that a formula uses" in said
+
+
+FORMULAS = """\
+  mass: {loguniform: [0.6, 3.5]}
+  told: {uniform: [0.95, 1.05]}
+  world.truth.mass_kg: {formula: mass}
+  world.truth.inertia_kgm2: {formula: [0.01*mass, 0.01*mass, 0.02*mass]}
+  vehicle.mass_kg: {formula: mass*told}
+  vehicle.rotors[0].thrust_max_n: {formula: 5*mass}
+  vehicle.rotors[1].thrust_max_n: {formula: 5*mass}
+  vehicle.rotors[2].thrust_max_n: {formula: 5*mass}
+  vehicle.rotors[3].thrust_max_n: {formula: 5*mass}
+"""
+
+
+def test_a_design_has_whole_blocks() -> None:
+    text = TINY + "sampling: saltelli\n"
+    with pytest.raises(ConfigError, match="2 flights are no whole design of 1 draws; expected 3"):
+        study_from(text, "tiny.yaml")
+    assert study_from(text.replace("flights: 2\n", ""), "tiny.yaml").flights == 192  # 3 x 2^6
+
+
 def test_a_kill_leaves_whole_rows_and_nothing_is_flown_twice(tmp_path: Path) -> None:
     study = study_from(TINY, "tiny.yaml")
-    first = Results(tmp_path / "r", study, tmp_path, resume=False)
+    first = Results(tmp_path / "r", study, resume=False)
     assert first.add(rows()[1]) and not first.add(rows()[1])
     with pytest.raises(ConfigError, match="is being written by another companion"):
-        Results(tmp_path / "r", study, tmp_path, resume=True)
+        Results(tmp_path / "r", study, resume=True)
     first._file.close()  # as a kill does it: no table
     with (tmp_path / "r" / "rows.jsonl").open("a") as log:
         log.write('{"index": 0, "pas')
     with pytest.raises(ConfigError, match="is not empty"):
-        Results(tmp_path / "r", study, tmp_path, resume=False)
+        Results(tmp_path / "r", study, resume=False)
     with pytest.raises(ConfigError, match="holds another study"):
-        Results(tmp_path / "r", study_from(TINY + "pass_rate: 0.5\n", "tiny.yaml"), tmp_path, resume=True)
-    again = Results(tmp_path / "r", study, tmp_path, resume=True)
+        Results(tmp_path / "r", study_from(TINY + "pass_rate: 0.5\n", "tiny.yaml"), resume=True)
+    again = Results(tmp_path / "r", study, resume=True)
     assert list(again.rows) == [1]
     assert again.add(rows()[0])
     again.close()
@@ -148,9 +211,28 @@ def test_a_kill_leaves_whole_rows_and_nothing_is_flown_twice(tmp_path: Path) -> 
     assert parquet.read_table(tmp_path / "r" / "results.parquet").to_pylist()[1]["vary.mass"] == 1.0
 
 
-def die_once(case: Case) -> dict[str, Any]:
+def test_the_files_of_a_study_stay_as_they_were(tmp_path: Path) -> None:
+    heavy = VehicleFile.load("x500").changed({"mass_kg": 2.3}).save(tmp_path / "heavy.yaml")
+    text = TINY.replace("flights: 2", "flights: 4").replace(
+        "vary:", "vary:\n  vehicle: {choice: [x500, heavy.yaml]}\n  mission: {choice: [circle_r5, survey]}"
+    )
+    study = study_from(text, str(tmp_path / "tiny.yaml"))
+    Results(tmp_path / "r", study, resume=False).close()
+    heavy.unlink()
+    again = load_run_study(tmp_path / "r")
+    assert cases_of(again) == cases_of(study)
+    assert {case.vehicle.value.mass for case in cases_of(again)} == {2.0, 2.3}
+    for mission in {case.mission.source.name: case.mission for case in cases_of(again)}.values():
+        elsewhere = replace(mission, source=replace(mission.source, name=f"/nowhere/{Path(mission.source.name).name}"))
+        with at_hand(elsewhere) as there:
+            assert there.length == mission.length
+    (tmp_path / "r" / "files.json").write_text('{"schema": "companion.study/1", "files": []}')
+    with pytest.raises(ConfigError, match="expected the folder of a study that was run"):
+        load_run_study(tmp_path / "r")
+
+
+def die_once(marker: Path, case: Case) -> dict[str, Any]:
     """What flies in a worker that dies of its third flight, the first time."""
-    marker = Path(case.beside) / "died"
     if case.index == 2 and not marker.exists():
         marker.touch()
         os._exit(9)
@@ -163,7 +245,7 @@ def test_a_worker_that_dies_loses_no_flight(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     study = study_from(TINY.replace("flights: 2", "flights: 6"), "tiny.yaml")
     landed: list[dict[str, Any]] = []
-    flown(cases_of(study, tmp_path), 1, None, landed.append, die_once)
+    flown(cases_of(study), 1, None, landed.append, functools.partial(die_once, tmp_path / "died"))
     assert sorted(row["index"] for row in landed) == list(range(6)) and (tmp_path / "died").exists()
     (failed,) = [row for row in landed if not row["passed"]]
     assert failed["index"] == 3 and failed["reason"] == "ValueError: no such thing"
@@ -197,7 +279,7 @@ def test_a_study_is_flown_told_and_flown_again(tmp_path: Path, monkeypatch: pyte
     assert CliRunner().invoke(app, ["study", "report", "r"]).exit_code == 0
     page = Path("r/report.html").read_text(encoding="utf-8")
     assert "2 of 2 flights passed" in page and "<svg" in page and "http-equiv" not in page
-    assert load_run_study(Path("r"))[0].name == "tiny"
+    assert load_run_study(Path("r")).name == "tiny"
     more = CliRunner().invoke(app, ["study", "run", "tiny.yaml", "--record", "r", "--resume"])
     assert more.exit_code == 0 and "0 of 2 flights to fly" in more.output
 

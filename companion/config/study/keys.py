@@ -10,6 +10,7 @@ from companion.config.syntax.schema import Strict
 
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
+Formula = Annotated[str, Field(max_length=2000)]
 Choices = Annotated[list[Any], Field(min_length=1, max_length=1000)]
 
 
@@ -28,6 +29,8 @@ class VaryModel(Strict):
     """[mean, standard deviation], no unit of its own"""
     weibull: Pair | None = None
     """[scale, shape], as wind speeds are told, no unit of its own"""
+    formula: Formula | Annotated[list[Formula | Number], Field(min_length=1, max_length=100)] | None = None
+    """a number, or a list of them, made of others that vary and have names of their own (mass*told)"""
 
     @field_validator("range")
     @classmethod
@@ -62,6 +65,12 @@ class VaryModel(Strict):
         if len(self.model_fields_set) != 1:
             raise ValueError(f"{len(self.model_fields_set)} ways to vary; expected exactly one")
         return self
+
+    @property
+    def formulas(self) -> list[str]:
+        """Those that it is made by; empty where it is drawn or chosen."""
+        given = self.formula
+        return [] if given is None else [given] if isinstance(given, str) else [str(each) for each in given]
 
 
 class RequireModel(Strict):
@@ -100,13 +109,18 @@ class StudyModel(Strict):
     """how many flights; once through the grid where absent"""
     seed: Annotated[int, Field(ge=0, le=2_000_000_000)] = 0
     """what chance begins from, no unit: flight i has the seed of the study plus i"""
-    sampling: Literal["sobol", "latin", "random"] = "sobol"
-    """how what is no grid is drawn: a Sobol sequence, a Latin hypercube, or at random"""
+    sampling: Literal["sobol", "latin", "random", "saltelli"] = "sobol"
+    """how what is no grid is drawn: a Sobol sequence, a Latin hypercube, at random, or Saltelli's design, which gives
+    Sobol indices and asks for 2^k (draws + 2) flights"""
     vary: dict[str, VaryModel] = Field(default_factory=dict)
     """what varies: mission, vehicle, world, or any of their keys (world.truth.mass_kg), or flight.output, flight.seed,
-    flight.duration, flight.settle"""
+    flight.duration, flight.settle, or a name of your own for the formulas of others"""
+    from_ground: bool = False
+    """whether a flight begins on the ground, disarmed, and ends there"""
+    completed: bool = True
+    """whether a flight must be completed to pass; false where giving up in order is an answer too"""
     require: dict[str, RequireModel] = Field(default_factory=dict)
-    """what is required of a completed flight: figures of the summary (truth.settled.path_error_m.rms), each with min,
+    """what is required of a flight: figures of the summary (truth.settled.path_error_m.rms), each with min,
     max or both"""
     pass_rate: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0
     """the least share of flights that must be completed and meet what is required, 0 to 1"""

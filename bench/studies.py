@@ -1,0 +1,195 @@
+"""What a study costs, how well it shares its work, and what it survives.
+
+python -m bench.studies cost [FLIGHTS]     dispersed circle, 60 s: core-seconds a flight, one worker beside two, memory
+python -m bench.studies waiting            eight workers whose flights only wait: how busy the engine keeps them
+python -m bench.studies kills              a scheduler and workers as processes: kill -9 of each, then of the client
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import functools
+import json
+import os
+import resource
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from companion.study.engine import flown
+from companion.study.flying import Case, cases_of, row_of
+from companion.study.reading import Study, load_study, study_from
+from companion.study.results import load_rows
+
+ROOT = Path(__file__).resolve().parent.parent
+CIRCLE = ROOT / "configs/studies/dispersed_circle.yaml"
+WAIT = 0.5
+"""s that a flight of ``waiting`` takes."""
+SHORT = """\
+study: kills
+mission: circle_r5
+world: outdoor
+output: rates
+duration: 4
+settle: 2
+flights: 40
+seed: 3
+vary:
+  world.truth.mass_kg: {uniform: [1.8, 2.2]}
+"""
+
+
+def measured(case: Case) -> dict[str, Any]:
+    """A flight and what it took of a core, and the process's largest memory so far."""
+    begun = time.process_time()
+    row = row_of(case)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return {**row, "core_s": time.process_time() - begun, "rss_mb": peak / 1024.0, "worker": os.getpid()}
+
+
+def study_of(flights: int, duration: float) -> Study:
+    """The dispersed circle, shorter."""
+    study = load_study(CIRCLE)
+    return dataclasses.replace(study, model=study.model.model_copy(update={"flights": flights, "duration": duration}))
+
+
+def cost(flights: int) -> None:
+    """Print what a flight takes on one worker and on two."""
+    walls = {}
+    for workers in (1, 2):
+        cases, rows = cases_of(study_of(flights, 60.0)), list[dict[str, Any]]()
+        begun = time.monotonic()
+        flown(cases, workers, None, rows.append, measured)
+        walls[workers] = time.monotonic() - begun
+        core = sum(row["core_s"] for row in rows) / len(rows)
+        whole = resource.getrusage(resource.RUSAGE_CHILDREN)
+        minutes = walls[workers] / len(rows) * 1000.0 / 60.0
+        print(
+            f"{workers} worker(s): {len(rows)} flights of 60 s in {walls[workers]:.1f} s, {minutes:.1f} min for 1000; "
+            f"{core:.2f} core-s a flight; children so far {whole.ru_utime + whole.ru_stime:.0f} core-s; "
+            f"{sum(row['passed'] for row in rows)} passed",
+            flush=True,
+        )
+        for worker in {row["worker"] for row in rows}:
+            memory = [row["rss_mb"] for row in rows if row["worker"] == worker]
+            print(f"  worker {worker}: peak {memory[0]:.0f} MB after its first flight, {memory[-1]:.0f} MB at the end")
+    print(f"efficiency of two over one: {100.0 * walls[1] / (2.0 * walls[2]):.0f} %")
+
+
+def wait(case: Case) -> dict[str, Any]:
+    """What stands in the place of a flight."""
+    time.sleep(WAIT)
+    return {"index": case.index, "passed": True}
+
+
+def waiting(flights: int = 400, workers: int = 8) -> None:
+    """Print how busy so many workers are."""
+    times: list[float] = []
+    flown(cases_of(study_of(flights, 1.0)), workers, None, lambda _: times.append(time.monotonic()), wait)
+    # from the first that landed on, so that starting the workers does not count
+    ideal = (flights - workers) * WAIT / workers
+    spent = times[-1] - times[workers - 1]
+    share = 100.0 * ideal / spent
+    print(f"{flights} waits of {WAIT} s on {workers} workers: {spent:.2f} s, ideal {ideal:.2f}: {share:.1f} %")
+
+
+@contextlib.contextmanager
+def process(*words: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A process that is gone afterwards."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    made = subprocess.Popen(
+        [sys.executable, "-m", *words], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )  # fmt: skip
+    try:
+        yield made
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(made.pid, signal.SIGKILL)
+        made.wait()
+
+
+def kills() -> None:
+    """A run whose worker, scheduler and client are killed, beside one that nobody disturbs."""
+    with tempfile.TemporaryDirectory() as place:
+        study = Path(place) / "kills.yaml"
+        study.write_text(SHORT, encoding="utf-8")
+        reference = sorted((row_of(case) for case in cases_of(study_from(SHORT, "kills.yaml"))), key=_index)
+        for who in ("worker", "scheduler", "client"):
+            folder = Path(place) / who
+            codes = _disturbed(study, folder, who)
+            rows = load_rows(folder)
+            lines = (folder / "rows.jsonl").read_text(encoding="utf-8").splitlines()
+            same = [_kept(row) for row in rows] == [_kept(row) for row in reference]
+            print(
+                f"kill -9 of the {who}: exit codes {codes}, {len(lines)} rows of {len(reference)} flights, "
+                f"{'the same figures bit for bit' if same else 'OTHER FIGURES'}",
+                flush=True,
+            )
+
+
+def _disturbed(study: Path, folder: Path, who: str) -> list[int]:
+    """Fly with a real scheduler and two workers, kill one of them after eight flights, and go on until all is flown."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    scheduler = functools.partial(process, "distributed.cli.dask_scheduler", "--port", str(port), "--no-dashboard")
+    worker = functools.partial(
+        process, "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny"
+    )
+    client = functools.partial(
+        process, "companion", "study", "run", str(study), "--scheduler", address, "--record", str(folder)
+    )
+    codes = []
+    with contextlib.ExitStack() as stack:
+        first, one, _ = stack.enter_context(scheduler()), stack.enter_context(worker()), stack.enter_context(worker())
+        with client() as running:
+            while not (folder / "rows.jsonl").is_file() or (folder / "rows.jsonl").read_text().count("\n") < 8:
+                time.sleep(0.1)
+                if running.poll() is not None:
+                    raise SystemExit(f"the study ended with {running.returncode} before anything was killed")
+            {"worker": one, "scheduler": first, "client": running}[who].kill()
+            codes.append(running.wait(300.0))
+        if who == "scheduler":
+            stack.enter_context(scheduler())
+            stack.enter_context(worker())
+        while codes[-1] not in (0, 1) or len(load_rows(folder)) < 40:
+            with client("--resume") as running:
+                codes.append(running.wait(300.0))
+            if len(codes) > 4:
+                break
+    return codes
+
+
+def _index(row: dict[str, Any]) -> int:
+    return int(row["index"])
+
+
+def _kept(row: dict[str, Any]) -> dict[str, Any]:
+    """Without what differs from run to run."""
+    return json.loads(json.dumps({key: value for key, value in row.items() if key != "wall_s"}))  # type: ignore[no-any-return]
+
+
+def main() -> None:
+    """Run what is asked for."""
+    match sys.argv[1:]:
+        case ["cost", *rest]:
+            cost(int(rest[0]) if rest else 40)
+        case ["waiting"]:
+            waiting()
+        case ["kills"]:
+            kills()
+        case _:
+            sys.exit(__doc__)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+"""The figures of a study's page."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from companion.record.report.palette import BLUE, VERMILION
+from companion.record.report.style import WIDTH, drawing, legend, named
+from companion.study.explaining import error_name, explained
+from companion.study.reading import Study
+
+Row = dict[str, Any]
+HEIGHT = 2.9
+"""inches."""
+BINS = 30
+SCATTERED = 5
+"""Values that the error is drawn over, the strongest first; an even number of figures with the first."""
+
+
+def drawn(study: Study, rows: list[Row]) -> list[tuple[str, str]]:
+    """Each as SVG, and the sentence under it."""
+    name = error_name(rows)
+    known = [row for row in rows if name is not None and row.get(name) is not None]
+    made = [
+        (_svg(lambda panel: _histogram(panel, known, str(name))), f"Of {len(known)} flights that have one: {name}.")
+    ]
+    for key, correlation in explained(study.model, rows)[:SCATTERED]:
+        svg = _svg(lambda panel, key=key: _scatter(panel, known, str(name), key))
+        made.append((svg, f"The error over {key}: rank correlation {correlation:+.2f}."))
+    return made
+
+
+def _svg(draw: Any) -> str:
+    with drawing():
+        figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
+        draw(figure.subplots())
+        out = io.StringIO()
+        figure.savefig(out, format="svg", metadata={"Date": None})
+    text = out.getvalue()
+    return text[text.index("<svg") :]
+
+
+def _parts(known: list[Row]) -> list[tuple[str, str, list[Row]]]:
+    parts = [("passed", BLUE, [row for row in known if row["passed"]])]
+    parts.append(("did not pass", VERMILION, [row for row in known if not row["passed"]]))
+    return [part for part in parts if part[2]]
+
+
+def _histogram(panel: Axes, known: list[Row], name: str) -> None:
+    parts = _parts(known)
+    errors = [[100.0 * row[name] for row in part] for _, _, part in parts]
+    colours, labels = [colour for _, colour, _ in parts], [label for label, _, _ in parts]
+    panel.hist(errors, bins=min(BINS, max(5, len(known) // 4)), stacked=True, color=colours, label=labels)
+    panel.set_xlabel("path error, cm rms, settled")
+    named(panel, "Flights")
+    legend(panel)
+
+
+def _scatter(panel: Axes, known: list[Row], name: str, key: str) -> None:
+    for label, colour, part in _parts(known):
+        xs, ys = [row[f"vary.{key}"] for row in part], [100.0 * row[name] for row in part]
+        panel.plot(xs, ys, ".", markersize=3.5, color=colour, label=label, alpha=0.7)
+    panel.set_xlabel(key)
+    named(panel, "Path error, cm rms, settled")
+    legend(panel)
