@@ -40,4 +40,7 @@ def test_gains_chosen_for_a_flight_are_as_fast_as_the_delay_allows() -> None:
     poles = [max(root.real for root in poles_of(auto_gains(Level.RATES, horizon).h1)) for horizon in (0.05, 0.1, 0.3)]
     assert poles == pytest.approx([-6.0, -5.0, -4.0], abs=1e-3)
     assert auto_gains(Level.RATES, 0.1).h4 == default_gains(Level.RATES).h4
-    assert auto_gains(Level.MOTORS, 0.1) == default_gains(Level.MOTORS)
+    motors = auto_gains(Level.MOTORS, 0.1)
+    assert sorted(root.real for root in poles_of(motors.h1)) == pytest.approx([-8.0, -5.0, -5.0, -5.0], abs=1e-3)
+    assert sorted(root.real for root in poles_of(motors.h3)) == pytest.approx([-8.0, -3.0, -3.0], abs=1e-3)
+    assert motors.h4 == default_gains(Level.MOTORS).h4

@@ -7,7 +7,6 @@ import math
 
 import pytest
 
-from companion.law.gains import Level, auto_gains, poles_of
 from companion.vehicle import OutputLevel
 from companion.world import Link, Way
 from trials.measured import Measured, course, machine, measured, world
@@ -46,11 +45,3 @@ def test_in_a_quiet_world_it_is_nearer_than_a_centimetre() -> None:
     assert learned.hover_thrust == pytest.approx(0.4905, rel=0.02)
     assert learned.drag == pytest.approx(1.0, abs=0.1)
     assert learned.rate_lag == 0.071  # of the rate loop, which was not flown: as told
-
-
-def test_the_poles_chosen_follow_the_motors_lag() -> None:
-    path = sorted(pole.real for pole in poles_of(auto_gains(Level.MOTORS, 0.058).h1))
-    assert path == pytest.approx([-0.8 / 0.058, -6.0, -6.0, -6.0], rel=1e-3)
-    slow = auto_gains(Level.MOTORS, 0.2)
-    assert min(pole.real for pole in poles_of(slow.h1)) == pytest.approx(-6.0, rel=1e-3)
-    assert auto_gains(Level.MOTORS, 0.058).h4 == slow.h4
