@@ -41,7 +41,8 @@ class Plan:
     ``mission``: placed in the vehicle's local frame; ``table``: its curve; ``steering``: the law for ``vehicle`` at an
     output ``level``. ``direction``: +1 along mu, -1 against. ``ramp_time``: s until full speed, 0 for none. ``laps``,
     ``duration`` (s): when following is finished; None until told. ``tuning``: what the autopilot's parameters say.
-    ``conduct``: how the flight is conducted. ``learned``: what the vehicle's last flight left.
+    ``conduct``: how the flight is conducted. ``learned``: what the vehicle's last flight left. ``path_pole``: 1/s, of
+    h1 and h2 where it was chosen and may be lowered; None: as written.
     """
 
     mission: Mission
@@ -56,6 +57,7 @@ class Plan:
     tuning: Tuning = NOT_SAID
     conduct: Conduct = AS_USUAL
     learned: Learned | None = None
+    path_pole: float | None = None
 
 
 def law_level(level: OutputLevel) -> Level:
@@ -117,6 +119,7 @@ def prepared(
         tuning=tuning,
         conduct=conduct,
         learned=learned,
+        path_pole=path_pole if law_level(level) is Level.RATES else None,
     )
 
 

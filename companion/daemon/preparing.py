@@ -163,7 +163,12 @@ class Preparation:
             if objection is not None:
                 raise CompanionError(f"in its place here, {objection}")
         origin_n = mission.placement.origin_n
-        return prepared(mission, vehicle, self.choice.level, origin_n, orders.duration, tuning, conduct, orders.learned)
+        plan = prepared(mission, vehicle, self.choice.level, origin_n, orders.duration, tuning, conduct, orders.learned)
+        if plan.path_pole is not None:
+            self.notes.append(
+                f"gains: auto: the path's poles at {plan.path_pole:.1f} 1/s, slower if the commands are rough"
+            )
+        return plan
 
     def _compare(self, vehicle: Vehicle) -> None:
         """The vehicle file's rotors with PX4's own, where we command them past its rate loop. CompanionError: they
