@@ -31,11 +31,26 @@ def test_a_shipped_mission_settles_as_it_is_shipped(name: str) -> None:
         assert settled["yaw_error_deg"]["rms"] < 1.0
 
 
-@pytest.mark.parametrize("seed", [2, 10])
-def test_the_storm_is_flown_in(seed: int) -> None:
+@pytest.mark.parametrize(("seed", "output"), [(2, "rates"), (10, "rates"), (2, "motors")])
+def test_the_storm_is_flown_in(seed: int, output: str) -> None:
     """The thrust is known within four seconds of its gusts, and the circle is held to half a metre."""
     told = CliRunner().invoke(
-        app, ["sim", "circle", "--world", "storm", "--seed", str(seed), "--duration", "6", "--settle", "3", "--json"]
+        app,
+        [
+            "sim",
+            "circle",
+            "--world",
+            "storm",
+            "--output",
+            output,
+            "--seed",
+            str(seed),
+            "--duration",
+            "6",
+            "--settle",
+            "3",
+            "--json",
+        ],
     )
     assert told.exit_code == 0, told.output
     flight = json.loads(told.stdout)
