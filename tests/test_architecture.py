@@ -42,7 +42,7 @@ MAY_IMPORT: dict[str, str] = {
     "config": "plain_text mavlink_common frames fence geodesy plans calculus vehicle world paths profiles law mission "
     "mavlink",
     "record": "frames geodesy vehicle world paths law mission estimation steering feasibility plan settings flight pilot mavlink "
-    "config",
+    "xrce config",
     "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan settings pilot mavlink "
     "xrce "
     "record",

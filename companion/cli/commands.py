@@ -134,7 +134,7 @@ def sim(
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
     from companion.feasibility.words import headline
     from companion.library.orders import Faults, check_record, home_told, read_sortie, read_world
-    from companion.record.folder import new_directory
+    from companion.record.place import new_directory
 
     faults = Faults()
     simulated = faults.collect(lambda: read_world(world, seed, home))
@@ -213,7 +213,7 @@ def fly(
     from companion.daemon.forwarding import parsed_endpoint
     from companion.flight.conduct import Conduct, Finish, Limits
     from companion.library.orders import Faults, check_record, home_told, read_sortie
-    from companion.record.folder import new_directory
+    from companion.record.place import new_directory
 
     faults = Faults()
     open_port = faults.collect(lambda: parsed(connect))

@@ -10,7 +10,7 @@ from companion.cli.simulate import Simulation, in_lockstep, over_udp
 from companion.cli.story import DEMO, PLAIN
 from companion.cli.terminal import say
 from companion.library.orders import check_record, read_sortie, read_world
-from companion.record.folder import new_directory
+from companion.record.place import new_directory
 
 DURATION = 30.0
 """s of following: long enough for the start, the hold and the way back, and a minute with everything around it."""

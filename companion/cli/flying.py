@@ -160,6 +160,8 @@ def _flown(
         else lambda mission, ground: objection(mission, sortie.vehicle, ground),
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
+    if conductor.xrce is not None:
+        conductor.xrce.tap = recorder.datagram
     if signing is not None:
         conductor.link.sign(signing)
         conductor.decoder.signing = signing

@@ -1,6 +1,7 @@
 """The flight folder: everything a flight leaves behind.
 
 link.tlog       every frame in both directions
+link.xrce       flights over XRCE: every datagram in both directions
 flight.npy      one row a tick (see ``rows.COLUMNS``)
 truth.npy       simulated flights: the plant's true state
 notes.txt       every line that was said, and when
@@ -19,10 +20,8 @@ from __future__ import annotations
 
 import contextlib
 import json
-import re
 import shutil
 import threading
-import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -39,6 +38,7 @@ from companion.record.place import Place
 from companion.record.resolution import resolution
 from companion.record.table import Table, TableWriter
 from companion.record.tlog import TlogWriter
+from companion.record.xrce_log import XrceWriter
 
 NOTES_WAITING = 5_000
 """Lines of notes.txt that wait for the disk at most (engineering choice)."""
@@ -80,6 +80,7 @@ class Recorder:
     _given: dict[str, str] = field(init=False)
     _tlog: TlogWriter = field(init=False)
     _notes: GrowingFile = field(init=False)
+    _xrce: XrceWriter | None = field(init=False, default=None)
     _table: TableWriter | None = field(init=False, default=None)
     _resolution: dict[str, Any] = field(init=False, default_factory=dict)
     _resolved: str | None = field(init=False, default=None)
@@ -117,6 +118,11 @@ class Recorder:
     def frame(self, now: float, raw: bytes) -> None:
         """One frame, either direction."""
         self._tlog.frame(now, raw)
+
+    def datagram(self, now: float, to_px4: bool, data: bytes) -> None:
+        """One datagram of PX4's XRCE client, or one to it."""
+        self._xrce = self._xrce or XrceWriter(self.directory, self.epoch)
+        self._xrce.datagram(now, to_px4, data)
 
     def note(self, now: float, line: str) -> None:
         """One line that was said."""
@@ -192,6 +198,7 @@ class Recorder:
             (0 if self._table is None else self._table.missing, "ticks of flight.npy, which ends where they began"),
             (self._tlog.lost + self._tlog.waiting, "frames of link.tlog"),
             (self._notes.lost + self._notes.waiting, "lines of notes.txt"),
+            (0 if self._xrce is None else self._xrce.lost + self._xrce.waiting, "datagrams of link.xrce"),
         ]
         return [f"the record lacks {count} {what}" for count, what in lost if count]
 
@@ -215,7 +222,7 @@ class Recorder:
         if self._abandoned:
             return
         self.flush(sync=True)
-        for file in (self._tlog, self._notes, self._table):
+        for file in (self._tlog, self._notes, self._xrce, self._table):
             try:
                 if file is not None:
                     file.close()
@@ -229,7 +236,7 @@ class Recorder:
         self._place.unmake()
 
     def _actions(self, sync: bool) -> list[Callable[[], object]]:
-        files: list[GrowingFile] = [self._tlog, self._notes]
+        files: list[GrowingFile] = [self._tlog, self._notes, *([] if self._xrce is None else [self._xrce])]
         actions: list[Callable[[], object]] = [self._write_given]
         if self._table is not None:
             files.append(self._table)
@@ -287,14 +294,3 @@ class Recorder:
         if self._failing:
             self._failing = False
             self.words.append("; ".join(["the record is written again", *self.losses]))
-
-
-def new_directory(mission: str) -> Path:
-    """A name for a new flight folder: flights/DATE-TIME-MISSION, not taken yet."""
-    slug = re.sub(r"[^a-z0-9]+", "-", mission.lower())[:60].strip("-") or "flight"
-    stem = Path("flights") / f"{time.strftime('%Y%m%d-%H%M%S')}-{slug}"
-    candidate, number = stem, 2
-    while candidate.exists():
-        candidate = stem.with_name(f"{stem.name}-{number}")
-        number += 1
-    return candidate

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
+import time
 from pathlib import Path
 
 from companion.config.syntax.faults import ConfigError, Fault
@@ -73,3 +75,14 @@ def _complaint(error: OSError) -> str:
     if error.errno == errno.EEXIST:
         return "is being written by another companion"
     return f"cannot be written ({error.strerror})"
+
+
+def new_directory(mission: str) -> Path:
+    """A name for a new flight folder: flights/DATE-TIME-MISSION, not taken yet."""
+    slug = re.sub(r"[^a-z0-9]+", "-", mission.lower())[:60].strip("-") or "flight"
+    stem = Path("flights") / f"{time.strftime('%Y%m%d-%H%M%S')}-{slug}"
+    candidate, number = stem, 2
+    while candidate.exists():
+        candidate = stem.with_name(f"{stem.name}-{number}")
+        number += 1
+    return candidate

@@ -14,8 +14,9 @@ from companion.cli import flying
 from companion.cli.commands import app
 from companion.config.syntax.faults import ConfigError
 from companion.record import folder, place
-from companion.record.folder import Recorder, Source, new_directory
+from companion.record.folder import Recorder, Source
 from companion.record.learned import recalled, state_file
+from companion.record.place import new_directory
 
 MISSION = Source("mission.yaml", "mission: x\n", ("field.plan", "{}"))
 VEHICLE = Source("x500", "name: x500\n")

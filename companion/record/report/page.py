@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from companion.record.report.evidence import Evidence
 from companion.record.report.text import NBSP, escaped, facts, notes, outcome, shown, table, timeline
+from companion.record.xrce_log import latency_words, read_evidence
 
 _PAGE = Template("""<!doctype html>
 <html lang="en">
@@ -144,6 +145,7 @@ def _provenance(evidence: Evidence) -> str:
         ("Path length", length),
         ("Origin of the mission", f"{north:g} m north, {east:g} m east, {down:g} m down in the vehicle's local frame"),
         ("Ticks recorded", f"{len(evidence.table)}"),
+        *([("Commands", latency_words(sent))] if (sent := read_evidence(evidence.directory, evidence.table)) else []),
     ]
     listed = "".join(f"<div><dt>{name}</dt><dd>{escaped(value)}</dd></div>" for name, value in rows)
     sources = "".join(
