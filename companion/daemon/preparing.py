@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from companion.daemon.orders import Orders
 from companion.flight import geometry, output
-from companion.flight.conduct import TILT_MARGIN, Conduct, ControlAuthority
+from companion.flight.conduct import TILT_MARGIN, Conduct, ControlAuthority, caught
 from companion.frames import Vec3
 from companion.geodesy import LocalFrame
 from companion.mavlink.link import Identity, Link
@@ -158,6 +158,8 @@ class Preparation:
         self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
         stands_at = state.p_n if where.on_ground else None
         conduct = conducted(orders.conduct, vehicle, tuning, mission.table, where.home_n, stands_at)
+        if self.xrce is not None and self.xrce.level.without_rate_loop:
+            conduct = caught(conduct, vehicle)
         if orders.objection is not None and conduct.limits.ground is not None:
             objection = orders.objection(mission, conduct.limits.ground)
             if objection is not None:

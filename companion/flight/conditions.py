@@ -29,6 +29,8 @@ TILT_ERROR = math.radians(40.0)
 """rad between the thrust axis asked for and the one flown (engineering choice)."""
 RATE_ERROR = 3.0
 """rad/s between the rates asked for and flown (engineering choice)."""
+TURNS_TOO_FAST = 1.2
+"""Of the vehicle's greatest body rate, where PX4's rate loop does not bound it (engineering choice)."""
 TURNING = 1.0
 """rad/s: a vehicle that turns slower than that is not out of hand (engineering choice)."""
 LIFT_GONE, LIFT_SHORT = 0.6, 0.7
@@ -65,7 +67,7 @@ class SafetyInputs(NamedTuple):
     where that is not known. ``fence_margin``: m to the mission's fence, inside positive. ``from_home``: m level, and
     ``above_home`` m. ``tilt``: rad. ``tilt_error``: rad between the thrust axis and the one the law asks for.
     ``rate_error``: rad/s between the rates asked for and flown, None where none are. ``turning``: rad/s, how fast it
-    turns. ``still``: it neither moves nor turns.
+    turns, and ``turning_max`` where PX4's rate loop does not bound that. ``still``: it neither moves nor turns.
     ``saturated``: a limit of the vehicle was met. ``thrust_share``: of the largest thrust, asked for; ``sinking``: m/s
     downwards. ``link_delay``: s there and back, None where it is not known; ``needs``: of the link. ``jump``: m that
     the position jumped, ``flagged`` by the estimator's reset counter.
@@ -105,6 +107,7 @@ class SafetyInputs(NamedTuple):
     rate: float | None = None
     gaps: int = 0
     companions: int = 0
+    turning_max: float | None = None
     lift_asked: float = 0.0
     lift_made: float = 0.0
     rotor_left: float = 1.0
@@ -177,6 +180,12 @@ def rates(s: SafetyInputs, limits: Limits) -> str | None:
     if s.rate_error is None or s.rate_error <= RATE_ERROR or s.turning <= TURNING:
         return None
     return f"the vehicle turns {s.rate_error:.1f} rad/s otherwise than it is told"
+
+
+def turns(s: SafetyInputs, limits: Limits) -> str | None:
+    """It turns faster than PX4 would let it, where PX4 does not look."""
+    too_fast = s.turning_max is not None and s.turning > s.turning_max
+    return f"the vehicle turns at {math.degrees(s.turning):.0f} deg/s" if too_fast else None
 
 
 def thrust_gone(s: SafetyInputs, limits: Limits) -> str | None:

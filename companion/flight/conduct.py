@@ -6,6 +6,8 @@ import enum
 import math
 from typing import Any, NamedTuple
 
+from companion.vehicle import Vehicle
+
 
 class ControlAuthority(enum.Enum):
     """Who does what.
@@ -86,3 +88,17 @@ def from_dict(values: dict[str, Any]) -> Conduct:
 
 TILT_MARGIN = math.radians(2.0)
 """rad that our own tilt guard stays under the vehicle's failure detector."""
+CAUGHT_TILT = math.radians(50.0)
+"""rad from which PX4's Hold caught a vehicle on motors twice, falling 0.7 and 1.6 m (xrce.md, section 6)."""
+OVER = math.radians(5.0)
+"""rad over the tilt that a vehicle may be asked for, where that is more (engineering choice)."""
+
+
+def caught(conduct: Conduct, vehicle: Vehicle) -> Conduct:
+    """Past PX4's rate loop nobody but us watches the tilt: it is given back while PX4 can still catch it."""
+    tilt = conduct.limits.tilt
+    if tilt is None or vehicle.limits is None:
+        return conduct
+    return conduct._replace(
+        limits=conduct.limits._replace(tilt=min(tilt, max(CAUGHT_TILT, vehicle.limits.tilt + OVER)))
+    )

@@ -111,6 +111,13 @@ ROWS: tuple[Row, ...] = (
         "land it and look at motors and propellers",
     ),
     Row(
+        f"at motors and torques: it turns at {conditions.TURNS_TOO_FAST:g} times the vehicle's greatest body rate",
+        conditions.turns,
+        0.05,
+        Action.ABORT,
+        "land it and look at motors and propellers, or fly slower",
+    ),
+    Row(
         f"under {100.0 * conditions.LIFT_GONE:g} % of the thrust that is commanded comes, or under "
         f"{100.0 * conditions.LIFT_ASTRAY:g} % while it turns {conditions.RATE_ASTRAY:g} rad/s otherwise than told",
         conditions.thrust_gone,

@@ -72,10 +72,19 @@ def safety_inputs(
         rate=seen.rate,
         gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
         companions=seen.companions,
+        turning_max=_turning_max(plan),
         lift_asked=watch.lift.asked if follows and is_lift_judged(plan, memory) else 0.0,
         lift_made=watch.lift.made,
         rotor_left=1.0 if steered is None else steered.rotor_left,
     )
+
+
+def _turning_max(plan: Plan) -> float | None:
+    """rad/s that the vehicle may turn at most, where its own rate loop does not see to that."""
+    limits = plan.vehicle.limits
+    if limits is None or not plan.level.without_rate_loop:
+        return None
+    return conditions.TURNS_TOO_FAST * max(limits.body_rates)
 
 
 def follows_commands(status: VehicleStatus, now: float) -> bool:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 
+from companion.flight.conduct import Conduct, Limits, caught
 from companion.flight.geometry import curve_words, differences, names
 from companion.flight.output import chosen, direct_refused
 from companion.vehicle import CompanionError, OutputLevel, Rotor, Spin, Tuning, Vehicle
+from companion.vehicle import Limits as VehicleLimits
 
 QUAD = Vehicle(
     "quad", 1.0, (0.02, 0.02, 0.04),
@@ -68,3 +71,15 @@ def test_a_vehicle_whose_motors_pull_stays_on_mavlink() -> None:
     """PX4 takes what is negative for "stop this motor"."""
     pulling = replace(QUAD, rotors=tuple(replace(rotor, command=(-1.0, 1.0)) for rotor in QUAD.rotors))
     assert "go below 0" in (direct_refused(pulling, OutputLevel.MOTORS, accepted=True) or "")
+
+
+def test_past_the_rate_loop_the_tilt_is_given_back_while_px4_can_catch_it() -> None:
+    """PX4's Hold caught 49 and 51 degrees."""
+    conduct = Conduct(limits=Limits(tilt=math.radians(58.0)))
+    steep = replace(QUAD, limits=VehicleLimits(tilt=math.radians(50.0)))
+    assert caught(conduct, QUAD).limits.tilt == pytest.approx(math.radians(50.0))
+    assert caught(conduct, steep).limits.tilt == pytest.approx(math.radians(55.0))
+    assert caught(Conduct(limits=Limits(tilt=math.radians(40.0))), steep).limits.tilt == pytest.approx(
+        math.radians(40.0)
+    )
+    assert caught(conduct, replace(QUAD, limits=None)) == conduct
