@@ -219,7 +219,7 @@ def fly(
     open_port = faults.collect(lambda: parsed(connect))
     open_xrce = None if xrce is None else faults.collect(lambda: flying.xrce_port(xrce), "--xrce")
     told = faults.collect(lambda: home_told(home)) or NOTHING_TOLD
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, told=told))
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, flying.output_in(start, output, xrce), told=told))
     faults.collect(lambda: check_record(record))
     key = None if signing_key is None else faults.collect(lambda: read_key(signing_key))
     shared = faults.collect(lambda: tuple(map(parsed_endpoint, forward or ()))) or ()
@@ -234,7 +234,7 @@ def fly(
     )  # fmt: skip
     raise typer.Exit(flying.fly(flying.Flight(
         sortie, record or new_directory(sortie.mission.name), duration, Ending(json, settle, report), set_parameters,
-        conduct, draw, accept_infeasible, key, shared, log,
+        conduct, draw, accept_infeasible, key, shared, log, flying.mode_name(start),
     ), open_port(), None if open_xrce is None else open_xrce(sortie, accept_direct_motors)))  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from companion.cli.around import begin_record, exit_code_of, listen_to
 from companion.cli.finish import Ended, Ending, finish
-from companion.cli.output import WhoStarts
+from companion.cli.output import Output, WhoStarts
 from companion.cli.page import write_page
 from companion.cli.terminal import say
 from companion.cli.vehicle_log import fetch_and_join
@@ -33,6 +33,7 @@ from companion.mission import Mission, Origin
 from companion.record.folder import Recorder
 from companion.record.learned import recalled, remembered, state_file
 from companion.vehicle import CompanionError, Vehicle
+from companion.xrce.flight_mode import NAMED, attitude_alone
 
 WAIT_FOR_VEHICLE = 10.0
 """s for a first heartbeat, which comes every second."""
@@ -40,7 +41,7 @@ SPEED_SCALE_MAX = 1.5
 """factor on the speed that a ground station may set at most (engineering choice)."""
 WORDS = {
     ControlAuthority.COMPANION: "Ctrl-C hands it back",
-    ControlAuthority.PILOT: "the path is flown while the pilot has OFFBOARD selected",
+    ControlAuthority.PILOT: "the path is flown while the pilot has OFFBOARD, or our own mode, selected",
     ControlAuthority.REHEARSAL: "a dry run: nothing is armed, nothing is commanded",
     ControlAuthority.BENCH: "the bench: PROPELLERS OFF; nothing is armed, nothing is commanded",
 }
@@ -62,6 +63,7 @@ class Flight:
     key: bytes | None = field(default=None, repr=False)
     forward: tuple[Endpoint, ...] = ()
     log_from: str | None = None
+    flight_mode: str | None = None
 
 
 def most_speed_scale(feasible: float) -> float:
@@ -84,8 +86,24 @@ def authority_of(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial:
         return ControlAuthority.BENCH
     if dry_run:
         return ControlAuthority.REHEARSAL
-    pilot = serial if start is None else start is WhoStarts.PILOT
+    pilot = serial if start is None else start is not WhoStarts.COMPANION
     return ControlAuthority.PILOT if pilot else ControlAuthority.COMPANION
+
+
+def mode_name(start: WhoStarts | None) -> str | None:
+    """The name of the flight mode of our own that is asked for; None: OFFBOARD is."""
+    return NAMED if start is WhoStarts.MODE else None
+
+
+def output_in(start: WhoStarts | None, output: Output, xrce: str | None) -> Output:
+    """What is sent. CompanionError: it is not sent in a flight mode of our own, or there is no way to it."""
+    if start is not WhoStarts.MODE:
+        return output
+    if xrce is None:
+        raise CompanionError("--start mode needs --xrce: a flight mode is registered through PX4's XRCE client")
+    if output not in (Output.AUTO, Output.ATTITUDE):
+        raise CompanionError(attitude_alone(output.value))
+    return Output.ATTITUDE
 
 
 def xrce_port(url: str) -> Callable[[Sortie, bool], Port]:
@@ -152,7 +170,8 @@ def _flown(
         set_parameters=flight.set_parameters,
         conduct=flight.conduct,
         draw=flight.draw,
-        over_xrce=xrce is not None and sortie.level.without_rate_loop,
+        over_xrce=xrce is not None and (sortie.level.without_rate_loop or flight.flight_mode is not None),
+        flight_mode=flight.flight_mode,
         has_xrce=xrce is not None,
         learned=recalled(state_file(sortie.vehicle.name)),
         objection=None

@@ -145,7 +145,7 @@ Starts = Annotated[
     WhoStarts | None,
     typer.Option(
         "--start",
-        help="Who arms and selects OFFBOARD.",
+        help="Who arms and selects OFFBOARD; mode: a flight mode of our own that the pilot selects (--xrce).",
         show_default="pilot on a serial line, else companion",
     ),
 ]

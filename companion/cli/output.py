@@ -21,6 +21,7 @@ class WhoStarts(enum.Enum):
 
     COMPANION = "companion"
     PILOT = "pilot"
+    MODE = "mode"
 
 
 class Ends(enum.Enum):

@@ -13,7 +13,7 @@ from companion import pilot
 from companion.daemon.asked_of_vehicle import COMMANDS, WANTED, answer_to, streams
 from companion.daemon.ground import WANTED as GROUND_WANTED
 from companion.daemon.ground import GroundSide
-from companion.daemon.orders import Orders
+from companion.daemon.orders import Orders, commands_of
 from companion.daemon.payload import Payload
 from companion.daemon.preparing import Preparation
 from companion.daemon.state_count import StateCount
@@ -33,7 +33,6 @@ from companion.pilot import Memory, Observation
 from companion.plan import Plan
 from companion.record.ticks import TickRecorder
 from companion.vehicle import Setpoint, TorqueSetpoint, VehicleState
-from companion.xrce.commands import Commands
 
 __all__ = ["Conductor", "Orders", "Tick"]
 
@@ -51,7 +50,7 @@ class Conductor:
 
     def __init__(self, orders: Orders, recorder: TickRecorder | None, now: float, *, stream: bool = False) -> None:
         self.orders = orders
-        self.xrce = Commands(orders.level) if orders.over_xrce else None
+        self.xrce = commands_of(orders) if orders.over_xrce else None
         self.link = wire.Link(streams=streams(orders.vehicle.state_rate))
         self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()
@@ -128,6 +127,8 @@ class Conductor:
         states came. ``receive`` flies on it; whoever ends a flight whose pilot has failed only looks. What comes from
         elsewhere than the vehicle is counted and has no effect."""
         self._now = now
+        if self.xrce is not None and self.xrce.flight_mode is not None:
+            self.telemetry.own_mode = self.xrce.flight_mode.mode
         state: VehicleState | None = None
         answer: Answer | None = None
         count, late = 0, 0.0
@@ -260,6 +261,8 @@ class Conductor:
         self.notes += outcome.notes
         self.last = self._pending = Tick(seen, self.memory, outcome, now, before)
         self.ground.told(self.plan, self.memory, outcome, self.memory.first_fault is not None, now)
+        if self.xrce is not None:
+            self.xrce.tell(pilot.may_be_selected(self.memory, now), self._over, pilot.completed(self.memory))
         if self._over:
             self.payload.finish()
             self.preparation.restore(now)

@@ -9,16 +9,19 @@ from companion.estimation.learned import Learned
 from companion.flight.conduct import Conduct
 from companion.mission import Mission, Origin
 from companion.vehicle import OutputLevel, Vehicle
+from companion.xrce.commands import Commands
+from companion.xrce.flight_mode import FlightMode
 
 
 @dataclass(frozen=True)
 class Orders:
     """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
     be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
-    ``over_xrce``: setpoints go to PX4's XRCE client; ``has_xrce``: they might, if that were asked for. ``conduct``:
-    how; what the vehicle says of itself is added to its limits. ``draw``: the curve is uploaded as mission items, for
-    the ground station's map. ``learned``: what the vehicle's last flight left. ``objection``: looks at the mission in
-    its real place over the ground (m, down in the local frame) and says why it may not be flown there."""
+    ``over_xrce``: setpoints go to PX4's XRCE client; ``has_xrce``: they might, if that were asked for. ``flight_mode``:
+    the name of a mode of our own to fly in; None: OFFBOARD. ``conduct``: how; what the vehicle says of itself is added
+    to its limits. ``draw``: the curve is uploaded as mission items, for the ground station's map. ``learned``: what the
+    vehicle's last flight left. ``objection``: looks at the mission in its real place over the ground (m, down in the
+    local frame) and says why it may not be flown there."""
 
     mission: Mission
     vehicle: Vehicle
@@ -29,7 +32,13 @@ class Orders:
     set_parameters: bool = False
     over_xrce: bool = False
     has_xrce: bool = False
+    flight_mode: str | None = None
     conduct: Conduct = field(default_factory=Conduct)
     draw: bool = False
     learned: Learned | None = None
     objection: Callable[[Mission, float], str | None] | None = None
+
+
+def commands_of(orders: Orders) -> Commands:
+    """What the setpoints of a flight over XRCE go through."""
+    return Commands(orders.level, flight_mode=None if orders.flight_mode is None else FlightMode(orders.flight_mode))

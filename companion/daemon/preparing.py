@@ -148,6 +148,9 @@ class Preparation:
         if self.choice is None:
             consent, over = orders.set_parameters, self.xrce is not None
             self._compare(vehicle)
+            if self.xrce is not None and self.xrce.flight_mode is not None:
+                name = self.xrce.flight_mode.name
+                self.notes.append(f"the flight mode {name} is registered; what is said of OFFBOARD is meant of {name}")
             self.choice = output.chosen(orders.level, tuning, auto=orders.auto, consent=consent, over_xrce=over)
             self._set(orders, self.choice, now)
             if not self.parameters.settled:

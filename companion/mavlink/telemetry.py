@@ -23,7 +23,7 @@ from companion.mavlink_common import (
     MAV_STATE_CRITICAL,
     MAV_STATE_STANDBY,
 )
-from companion.vehicle import Fact, FrameOrigin, Home, Landed, VehicleState, VehicleStatus
+from companion.vehicle import Fact, FrameOrigin, Home, Landed, Mode, VehicleState, VehicleStatus
 
 HEARTBEAT = message("HEARTBEAT")
 ODOMETRY = message("ODOMETRY")
@@ -61,12 +61,13 @@ ALTITUDE_MAX = 1e5
 @dataclass(slots=True)
 class Telemetry:
     """What one vehicle says. ``home``, ``origin``: None until it has said. ``refused``: states that could not be used,
-    by reason."""
+    by reason. ``own_mode``: a flight mode of our own, which counts as OFFBOARD; None: there is none."""
 
     status: VehicleStatus = field(default_factory=VehicleStatus)
     home: Home | None = None
     origin: FrameOrigin | None = None
     refused: dict[str, int] = field(default_factory=dict)
+    own_mode: Mode | None = None
 
     _now: float = 0.0
 
@@ -76,10 +77,15 @@ class Telemetry:
         reader = _READERS.get(frame.format.id)
         return None if reader is None else reader(self, frame)
 
+    def _mode(self, custom_mode: int) -> Mode:
+        """The mode. Our own one is what OFFBOARD is else: the mode in which the vehicle flies on our setpoints."""
+        mode = mode_of(custom_mode)
+        return Mode.OFFBOARD if mode is self.own_mode else mode
+
     def _heartbeat(self, frame: Frame) -> None:
         custom_mode, _, _, base_mode, system_status, _ = frame.values
         armed = bool(base_mode & MAV_MODE_FLAG_SAFETY_ARMED)
-        mode, before, now = mode_of(custom_mode), self.status.mode, self._now
+        mode, before, now = self._mode(custom_mode), self.status.mode, self._now
         self.status = self.status._replace(
             armed=Fact(armed, now, HEARTBEAT_LASTS),
             mode=Fact(mode, now, HEARTBEAT_LASTS),
@@ -93,8 +99,8 @@ class Telemetry:
     def _current_mode(self, frame: Frame) -> None:
         custom_mode, intended, _ = frame.values
         self.status = self.status._replace(
-            mode=Fact(mode_of(custom_mode), self._now, CURRENT_MODE_LASTS),
-            intended=Fact(mode_of(intended), self._now, CURRENT_MODE_LASTS),
+            mode=Fact(self._mode(custom_mode), self._now, CURRENT_MODE_LASTS),
+            intended=Fact(self._mode(intended), self._now, CURRENT_MODE_LASTS),
         )
 
     def _extended_state(self, frame: Frame) -> None:

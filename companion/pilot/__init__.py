@@ -24,6 +24,7 @@ from companion.pilot.memory import (
     Progress,
     begin,
     completed,
+    may_be_selected,
     wake_at,
 )
 from companion.pilot.tick import DT_MAX, LEVEL_FOR, compute_setpoint, step, supervise
@@ -32,7 +33,8 @@ from companion.vehicle import Mode, VehicleState
 
 __all__ = [
     "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "First", "Memory", "Observation", "Outcome", "Progress", "begin", "completed",
-    "compute_setpoint", "epilogue", "follows_commands", "step", "supervise", "tilt_of", "wake_at", "yaw_error",
+    "compute_setpoint", "epilogue", "follows_commands", "may_be_selected", "step", "supervise", "tilt_of", "wake_at",
+    "yaw_error",
 ]  # fmt: skip
 
 

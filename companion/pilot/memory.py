@@ -9,7 +9,7 @@ from companion.flight.asking import Asking, next_at
 from companion.flight.bench import NOTHING_SHOWN, Shown
 from companion.flight.epilogue import Done
 from companion.flight.interruptions import STATE_AGE_MAX
-from companion.flight.phases import Event, Phase, Request
+from companion.flight.phases import FLOWN, Event, Phase, Request
 from companion.flight.safety import NOTHING_SINCE, Since
 from companion.flight.situation import Answer
 from companion.frames import Vec3
@@ -212,6 +212,17 @@ def wake_at(memory: Memory, now: float) -> float:
 def completed(memory: Memory) -> bool:
     """Whether the flight did what it was to do."""
     return memory.finished and memory.first_fault is None
+
+
+LEFT_WITHIN = 1.0
+"""s within which a vehicle that is given back must have left a flight mode of ours (engineering choice)."""
+
+
+def may_be_selected(memory: Memory, now: float) -> bool:
+    """Whether a flight mode of ours may be selected, or stayed in. It stays so for a moment when the vehicle is given
+    back: PX4 answers a mode that cannot be flown with Return, and Hold has been asked for."""
+    given_back = memory.phase in (Phase.HAND_BACK, Phase.ABORT) and now - memory.entered < LEFT_WITHIN
+    return memory.phase in (Phase.STAND_BY, *FLOWN) or given_back
 
 
 OWN_MODE: dict[Phase, Mode] = {

@@ -7,5 +7,6 @@ reliable    streams on which each message comes once and in order
 agent       the conversation with one client
 topics      samples of PX4's topics: layout and MESSAGE_VERSION
 commands    setpoints -> samples, and the gate before them
+flight_mode a flight mode of our own
 framing     messages <-> a serial line
 """

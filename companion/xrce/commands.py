@@ -22,6 +22,7 @@ from companion.vehicle import (
 )
 from companion.xrce import topics
 from companion.xrce.agent import Agent, Sample
+from companion.xrce.flight_mode import FlightMode
 from companion.xrce.topics import Layout, Topic, TopicError
 
 CONTROL_MODE_LASTS = 0.7
@@ -51,13 +52,15 @@ class Commands:
     """What goes to PX4 at one ``level`` over ``agent``.
 
     ``tap``: called with the time, whether it goes to PX4, and the bytes of each datagram. ``refusal``: why this PX4
-    cannot be commanded over it. ``sent``, ``withheld``: commands so far, and those that the gate kept back.
+    cannot be commanded over it. ``flight_mode``: ours, flown in the place of OFFBOARD; None: OFFBOARD. ``sent``,
+    ``withheld``: commands so far, and those that the gate kept back.
     """
 
     level: OutputLevel
     agent: Agent = field(default_factory=Agent)
     tap: Callable[[float, bool, bytes], None] | None = None
     refusal: str | None = None
+    flight_mode: FlightMode | None = None
     sent: int = 0
     withheld: int = 0
     _in_offboard: bool = False
@@ -73,6 +76,8 @@ class Commands:
 
     def datagrams(self, now: float) -> list[bytes]:
         """What is to be sent at ``now``."""
+        if self.flight_mode is not None and self.refusal is None:
+            self._try(lambda mode: mode.write(self.agent, now))
         datagrams = self.agent.datagrams(now)
         if self.tap is not None:
             for data in datagrams:
@@ -83,6 +88,13 @@ class Commands:
         """s, when ``datagrams`` has something without anything coming in."""
         return self.agent.next_timer()
 
+    def tell(self, can_run: bool, over: bool, completed: bool) -> None:
+        """Where the flight stands, for a flight mode of ours: it may be selected; it is over, and how."""
+        if self.flight_mode is not None:
+            self.flight_mode.can_run = can_run
+            if over:
+                self.flight_mode.finish(completed=completed)
+
     def _take(self, sample: Sample, now: float) -> None:
         """Take in what PX4 says of its controllers at ``now`` (s)."""
         if sample.topic.name == CONTROL_MODE and (layout := self._layout(sample.topic)) is not None:
@@ -90,11 +102,24 @@ class Commands:
             if said is not None:
                 self._said_at = now
                 self._in_offboard = said["flag_control_offboard_enabled"]
-                self._follows = self._in_offboard and follows(said, self.level)
+                self._follows = follows(said, self.level)
+        elif self.flight_mode is not None:
+            self._try(lambda mode: mode.take(self.agent, sample, now))
+
+    def _try(self, step: Callable[[FlightMode], None]) -> None:
+        """A step of our flight mode; a version of its topics that is not known here is a refusal."""
+        try:
+            if self.flight_mode is not None:
+                step(self.flight_mode)
+        except TopicError as error:
+            self.refusal = str(error)
 
     @property
     def missing(self) -> str | None:
         """The first topic that PX4's client does not read, or publish, yet; None: everything is there."""
+        lacking = None if self.flight_mode is None else self.flight_mode.missing(self.agent)
+        if lacking is not None:
+            return lacking
         for name in (MODE, *TOPICS[self.level]):
             reader = self.agent.reading.get(name)
             if reader is None or self._layout(reader.topic) is None:
@@ -103,9 +128,11 @@ class Commands:
 
     def send(self, setpoint: Setpoint, t_boot: float, now: float, says_offboard: bool) -> bool:
         """Queue a setpoint with the time (s, the vehicle's) of its state; whether the command is in what goes out.
-        ``says_offboard``: the vehicle has just said over MAVLink that it is in OFFBOARD."""
+        ``says_offboard``: the vehicle has just said over MAVLink that it is in OFFBOARD, or in our own mode."""
+        if self.flight_mode is not None:
+            return self._send_in_own(self.flight_mode, setpoint, t_boot, now, says_offboard)
         samples = [self._sample(MODE, **{FLAG[self.level]: True})]
-        is_open = self._follows and says_offboard
+        is_open = self._in_offboard and self._follows and says_offboard
         if now - self._said_at > CONTROL_MODE_LASTS or (self._in_offboard and not is_open):
             samples = []
         elif is_open:
@@ -113,6 +140,18 @@ class Commands:
         written = all(cdr for _, cdr in samples) and self.agent.write(samples)
         done = written and len(samples) > 1
         self.agent.keeps_time = not done  # see there
+        self.sent += done
+        self.withheld += not done
+        return done
+
+    def _send_in_own(self, mode: FlightMode, setpoint: Setpoint, t_boot: float, now: float, says_so: bool) -> bool:
+        """The same in our own mode: the command alone, and nothing before it."""
+        is_open = self._follows and says_so and mode.is_selected(now) and now - self._said_at <= CONTROL_MODE_LASTS
+        samples = self._command(setpoint, round(t_boot * 1e6)) if is_open else []
+        done = all(cdr for _, cdr in samples) and self.agent.write(samples)
+        if done:
+            mode.commanded(now)
+        self.agent.keeps_time = not done
         self.sent += done
         self.withheld += not done
         return done

@@ -119,6 +119,9 @@ def test_motors_over_xrce_are_refused_until_their_price_is_accepted(tmp_path: Pa
     assert done.returncode == 2
     assert "PX4 does not stabilise the vehicle" in done.stderr
     assert "--accept-direct-motors" in done.stderr
+    done = companion("fly", "circle_r5", *options, "--output", "rates", "--start", "mode", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--start mode flies attitude alone, not rates" in done.stderr
 
 
 def free_port() -> int:
