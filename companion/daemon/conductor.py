@@ -19,7 +19,7 @@ from companion.daemon.preparing import Preparation
 from companion.daemon.state_count import StateCount
 from companion.daemon.tick import Half, Tick
 from companion.estimation.learned import Learned
-from companion.flight.phases import Phase
+from companion.flight.phases import EXITS, Event, Phase
 from companion.flight.situation import Answer
 from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
@@ -38,6 +38,8 @@ __all__ = ["Conductor", "Orders", "Tick"]
 
 NOT_FLYING = frozenset({Phase.PREFLIGHT, Phase.STAND_BY})
 """The phases in which a vehicle that was switched on anew is taken again."""
+ENDING = frozenset(phase for phase, exits in EXITS.items() if exits and Event.STOP not in dict(exits))
+"""The phases that a stop does not end: they end the flight as it is."""
 
 
 class Conductor:
@@ -110,7 +112,9 @@ class Conductor:
         return self._states.total
 
     def stop(self) -> None:
-        """Hand the vehicle back at the next tick."""
+        """Hand the vehicle back at the next tick. Where it already goes by itself to its end, that is told."""
+        if not self._stop and self.memory is not None and self.memory.phase in ENDING:
+            self.notes.append(f"told to stop: {self.memory.phase.value} goes on to its end; a second time ends at once")
         self._stop = True
         self._wake_at = -math.inf
 

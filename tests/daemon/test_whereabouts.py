@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from companion import pilot
+from companion.daemon.conductor import Conductor
 from companion.daemon.whereabouts import whereabouts
+from companion.flight.phases import Phase
 from companion.vehicle import Fact, Landed, Mode, VehicleStatus
 from tests.support.flights import Flown, flight, once
 
@@ -52,3 +55,11 @@ def test_each_place_has_its_advice(stopped: Flown, status: VehicleStatus, place:
 def test_nobody_was_heard(stopped: Flown, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stopped.conductor.link, "identity", None)
     assert whereabouts(stopped.conductor, 0.0) is None
+
+
+def test_a_stop_that_a_landing_answers_is_not_silence(stopped: Flown) -> None:
+    conductor = Conductor(stopped.conductor.orders, None, 0.0)
+    conductor.memory = pilot.begin(0.0)._replace(phase=Phase.LAND)
+    conductor.stop()
+    conductor.stop()
+    assert conductor.notes == ["told to stop: land goes on to its end; a second time ends at once"]
