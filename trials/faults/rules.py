@@ -20,6 +20,7 @@ MARGIN = 0.02
 """s: five steps of the plant, for what was decided when the state arrived and left just after."""
 NOT_A_WORD = frozenset({Order.ARM, Order.TAKE_OFF, Order.OFFBOARD, Order.MISSION, Order.TERMINATE})
 """Orders that do not take the vehicle from the companion, or that the stand-in does not keep."""
+STOPS_THE_MOTORS = frozenset({Order.DISARM, Order.KILL, Order.TERMINATE})
 BEFORE = (None, Phase.PREFLIGHT)
 """What the companion does before its flight begins."""
 ASKS_FOR_HOLD = (Phase.HAND_BACK, Phase.ABORT, Phase.RELEASE)
@@ -127,6 +128,10 @@ def _false_words(flight: Flight) -> Iterator[str]:
     acted = flight.words or any(isinstance(event, Sticks) for event in events)
     if said.startswith(("the operator took over", "the pilot took over")) and not acted and not flight.mutated:
         yield f"says what no operator did: {said}"
-    only_the_link = all(isinstance(event, LinkEvent | Operator | Stranger | PortChange) for event in events)
+    only_the_link = all(
+        isinstance(event, LinkEvent | Stranger | PortChange)
+        or (isinstance(event, Operator) and event.order not in STOPS_THE_MOTORS)
+        for event in events
+    )
     if "propeller" in said and only_the_link and not flight.mutated:
         yield f"names the propellers where the link was the cause: {said}"
