@@ -31,11 +31,11 @@ one stands for all of them. What is refused before the flight by rules in which 
 
 *Must end*: flown as if nothing had happened; held (given up with a reason, the vehicle in Hold); refused (nothing armed,
 no mode asked for); the operator's (over, and the vehicle does what he said); PX4's failsafe (over, and what PX4 does about
-lost setpoints decides); ended (over with a reason, where nothing is left to hold);
-disarmed (the same, and it is disarmed). *Lowest* is the true height while the
-vehicle was in OFFBOARD or Hold after the fault, of the height it flew at then; *steepest* the true tilt in that time.
-*Commands* are those for a mode, arming or a place that the companion sent after it had heard the operator's last word
-(one state after the status that shows it); a dash where he said nothing. A difference from how it must be stands in bold.
+lost setpoints decides); ended (over with a reason, where nothing is left to hold); disarmed (the same, and it is
+disarmed). *Lowest* is the true height while the vehicle was in OFFBOARD or Hold after the fault, of the height it flew at
+then; *steepest* the true tilt in that time. *Commands* are those for a mode, arming or a place that the companion sent
+after it had heard the operator's last word (one state after the status that shows it); a dash where he said nothing. A
+difference from how it must be stands in bold.
 
 """
 UDP = """## Over UDP, in real time
@@ -138,6 +138,8 @@ def page(found: Iterable[Row], commit: str) -> str:
         f"{len(by_name)} faults, {len(flights)} of {len(flights_of(DECK, LEVELS))} flights at commit {commit}, {right} as "
         f"they must be; over UDP {len(flown_udp)}, {sum(not row.wrong for row in flown_udp.values())} as they must be.\n"
     )
+    text += "\n## What was seen\n\n| what | cases | flights as they must be | over UDP |\n|---|---|---|---|\n"
+    text += "".join(_seen(what, names, flights, list(flown_udp.values())) for what, names in SEEN.items())
     for title, cases in GROUPS.items():
         lines = [
             _line(case, by_name[case.name], _only(case, by_name[case.name])) for case in cases if case.name in by_name
@@ -149,6 +151,15 @@ def page(found: Iterable[Row], commit: str) -> str:
         for case in DECK for level in LEVELS if (case.name, level) in flown_udp
     ]  # fmt: skip
     return text + (f"\n{UDP}{HEAD}{''.join(lines)}" if lines else "")
+
+
+def _seen(what: str, names: Sequence[str], flights: Sequence[Row], over_udp: Sequence[Row]) -> str:
+    """Of what was once seen on a link: the cases that hold it, and how many of their flights are right."""
+    cells = [what, "; ".join(names)]
+    for group in (flights, over_udp):
+        rights = [not row.wrong for row in group if row.name in names]
+        cells.append(f"{sum(rights)} of {len(rights)}" if rights else "-")
+    return f"| {' | '.join(cells)} |\n"
 
 
 def _only(case: Case, group: dict[OutputLevel, Row]) -> str:
