@@ -24,6 +24,12 @@ def test_a_vehicle_that_is_not_heard_is_waited_for_only_so_long_and_told_of(phas
     assert phase.value in str(waited_for(situation(phase, status=gone._replace(mode_age=HEARD_WITHIN + 0.1))))
 
 
+def test_who_waits_for_a_pilot_is_told_that_nothing_is_heard() -> None:
+    assert waited_for(situation(Phase.STAND_BY)) is None
+    said = waited_for(situation(Phase.STAND_BY, status=KnownStatus(mode_age=HEARD_WITHIN + 0.1)))
+    assert said is not None and said.startswith("nothing is heard from the vehicle in stand by")
+
+
 @pytest.mark.parametrize("phase", [Phase.TAKE_OFF, Phase.LAND, Phase.RETURN])
 def test_what_was_asked_for_in_vain_ends_in_seconds(phase: Phase) -> None:
     asked = situation(phase, status=STANDING._replace(landed=None), mode_seen=False, decided_in=Mode.HOLD, asked=TRIES)
