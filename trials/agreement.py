@@ -11,23 +11,23 @@ import numpy as np
 
 from companion.config.mission.mission import mission_from
 from companion.config.syntax.document import parse
-from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.report import Report, check
-from companion.flight.conduct import Conduct
-from companion.flight.phases import Phase
-from companion.frames import Vec3, rotation_matrix, tilt, wrap
-from companion.library.lockstep import fly
-from companion.library.simulation import start_of
-from companion.mission import Mission, Origin
+from companion.frames import Vec3
+from companion.library.orders import Sortie
+from companion.library.simulation import SimulatedFlight, in_memory
+from companion.mission import Mission
 from companion.plan import law_level
+from companion.record.circumstances import Simulated
+from companion.record.folder import Source
+from companion.record.series import followed_series, true_series
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle
 from companion.world import World
-from sim_bridge.bridge import Bridge
-from sim_bridge.plant import Truth
 
 SETTLE = 12.0
 """s of following until the start is forgotten."""
 LAP_MAX = 25.0
+UNWRITTEN = Source("", "")
+"""In the place of a file, where a mission and a vehicle are values."""
 
 
 class Extremes(NamedTuple):
@@ -139,47 +139,31 @@ def asked(report: Report) -> Extremes:
 
 def flown(report: Report, level: OutputLevel, settle: float = SETTLE, laps: float = 1.0) -> Flown:
     """A lap on the ideal plant in lockstep, after ``settle`` s of following."""
-    vehicle, mission = report.vehicle, report.mission
-    direct = level is OutputLevel.MOTORS
-    if direct:
+    vehicle = report.vehicle
+    if level is OutputLevel.MOTORS:
         vehicle = dataclasses.replace(vehicle, motors=MotorInterface.DIRECT)
-    bridge = Bridge(vehicle, World(), seed=0, direct=direct, start=start_of(mission), endpoints=1)
+    sortie = Sortie(dataclasses.replace(report.mission, laps=None), vehicle, level, UNWRITTEN, UNWRITTEN)
     duration = settle + laps * report.duration
-    orders = Orders(
-        dataclasses.replace(mission, laps=None), vehicle, level, duration, Origin.LOCAL, set_parameters=True,
-        conduct=Conduct(at_once=mission.start is not None),
+    ideal = Simulated(World(), "ideal", "", 0)
+    went, ticks, truth = in_memory(SimulatedFlight(sortie, ideal, False, duration, lean=True))
+    plan = went.conductor.plan
+    assert plan is not None, went.conductor.refusal
+    told = followed_series(ticks.table)
+    true = true_series(plan, told, truth)
+    late = {name: values[true["since"] >= settle] for name, values in true.items()}
+    then = truth[(truth["t_boot"] >= told["t_boot"][0] + settle) & (truth["t_boot"] <= told["t_boot"][-1])]
+    shares = then["rotor_thrusts"] / [rotor.thrust_max for rotor in vehicle.rotors]
+    thrust, (_, x, y, _) = then["rotor_thrusts"].sum(axis=1), then["q_nb"].T
+    p, q, r = (float(rate) for rate in np.abs(then["w_b"]).max(axis=0))
+    return Flown(
+        Extremes(
+            float(thrust.min()), float(thrust.max()), float(np.arccos(1.0 - 2.0 * (x * x + y * y)).max()),
+            float(shares.min()), float(shares.max()),
+        ),
+        (p, q, r),
+        float(np.linalg.norm(then["v_n"], axis=1).max()),
+        float(late["path_error"].max()),
+        float(np.abs(late["speed_error"] / late["alpha"]).max()),
+        float(np.abs(late["yaw_error"]).max()),
+        float(then["t_boot"][-1] - then["t_boot"][0]),
     )  # fmt: skip
-    conductor = Conductor(orders, None, bridge.now)
-    rows: list[tuple[float, ...]] = []
-    errors: list[tuple[float, float, float]] = []
-    near = [0.0]
-    tops = [1.0 / rotor.thrust_max for rotor in vehicle.rotors]
-
-    def watch(conductor: Conductor, truth: Truth) -> None:
-        memory, plan = conductor.memory, conductor.plan
-        if memory is None or plan is None or memory.phase is not Phase.FOLLOW or memory.follow_from is None:
-            return
-        if truth.t_boot - memory.follow_from < settle:
-            return
-        shares = [f * k for f, k in zip(truth.rotor_thrusts, tops, strict=True)]
-        tilted = tilt(rotation_matrix(truth.q_nb))
-        fast = (*map(abs, truth.w_b), math.hypot(*truth.v_n))
-        rows.append((truth.thrust, tilted, min(shares), max(shares), truth.t_boot, *fast))
-        if len(rows) % 5 == 1:
-            if not errors and memory.progress is not None:
-                near[0] = memory.progress.s
-            near[0], away = plan.table.nearest(truth.p_n, near[0], 3.0)
-            along = float(np.dot(plan.table.at(near[0])[1], truth.v_n))
-            r = rotation_matrix(truth.q_nb)
-            heading = math.atan2(r[3], r[0])
-            alpha = plan.mission.alpha(near[0])
-            errors.append((away, abs(along / alpha - 1.0), abs(wrap(heading - plan.mission.beta(near[0])))))
-
-    fly(conductor, bridge, watch, 60.0 + 2.0 * duration)
-    assert conductor.refusal is None, conductor.refusal
-    assert rows, conductor.notes
-    thrust, tilted, least, most, t, p, q, r, v = (np.array(column) for column in zip(*rows, strict=True))
-    e, speed, yaw = (float(max(column)) for column in zip(*errors, strict=True))
-    extremes = Extremes(thrust.min(), thrust.max(), tilted.max(), least.min(), most.max())
-    rates = (float(p.max()), float(q.max()), float(r.max()))
-    return Flown(Extremes(*map(float, extremes)), rates, float(v.max()), e, speed, yaw, float(t[-1] - t[0]))
