@@ -19,10 +19,16 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+import unittest.mock
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from companion.calculus.scalar import Scalar
+from companion.calculus.straight import Function, Tape
+from companion.estimation import kalman_step
 from companion.study.engine import flown
 from companion.study.flying import Case, cases_of, row_of
 from companion.study.reading import Study, load_study, study_from
@@ -169,6 +175,54 @@ def _disturbed(study: Path, folder: Path, who: str) -> list[int]:
     return codes
 
 
+def tape() -> None:
+    """Print what numpy gains on the recorded step of the filter."""
+    made: list[tuple[Tape, str, Sequence[Scalar]]] = []
+
+    class Kept(Tape):
+        def function(self, name: str, outputs: Sequence[Scalar]) -> Function:
+            made.append((self, name, outputs))
+            return super().function(name, outputs)
+
+    with unittest.mock.patch.object(kalman_step, "Tape", Kept):
+        one = kalman_step._recorded()
+    recorded, name, outputs = made[0]
+    many = recorded.array_function(name, outputs)
+    covariance = [1.0 if i == j else 0.01 for i, j in kalman_step.UPPER]
+    given = [
+        0.008,
+        0.1,
+        0.2,
+        -9.8,
+        9.8,
+        *[0.1] * 6,
+        1e-6,
+        1e-3,
+        *[0.01] * 9,
+        1e-5,
+        1.0,
+        *[0.1] * kalman_step.SIZE,
+        *covariance,
+    ]
+    alone = _least(lambda: one(*given), 800)
+    for count in (100, 1000, 10000):
+        arrays = [np.full(count, value) for value in given]
+        together = _least(lambda arrays=arrays: many(*arrays), 10) / count  # type: ignore[misc]
+        print(
+            f"N = {count}: {1e6 * together:.2f} us a flight, alone {1e6 * alone:.0f} us: {alone / together:.0f} times"
+        )
+
+
+def _least(run: Callable[[], object], times: int) -> float:
+    """s, of so many."""
+    spent = []
+    for _ in range(times):
+        begun = time.perf_counter()
+        run()
+        spent.append(time.perf_counter() - begun)
+    return min(spent)
+
+
 def _index(row: dict[str, Any]) -> int:
     return int(row["index"])
 
@@ -186,6 +240,13 @@ def main() -> None:
         case ["waiting"]:
             waiting()
         case ["kills"]:
+            kills()
+        case ["tape"]:
+            tape()
+        case []:
+            tape()
+            cost(40)
+            waiting()
             kills()
         case _:
             sys.exit(__doc__)
