@@ -78,7 +78,13 @@ def test_ten_mistakes_are_ten_lines_and_nothing_is_started(tmp_path: Path, monke
 
 @pytest.mark.parametrize("file", sorted((ROOT / "configs/studies").glob("*.yaml")), ids=lambda path: path.stem)
 def test_shipped_studies_can_be_run(file: Path) -> None:
-    assert len(cases_of(load_study(file))) >= 100
+    """Their first flights, 2 s of each."""
+    cases = cases_of(load_study(file))
+    assert len(cases) >= 100
+    row = row_of(replace(cases[0], duration=2.0, settle=1.0))
+    assert row["outcome"] == "completed", row["reason"]
+    assert row["truth.settled.path_error_m.rms"] < 1.0
+    assert row["truth.flight.impact_mps"] < 1.0  # one of them lands
 
 
 def test_every_combination_of_a_grid_is_flown_at_the_same_draws() -> None:
