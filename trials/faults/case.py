@@ -99,8 +99,3 @@ def shifted(event: Event, t: float) -> Event:
 def at(t: float, order: Order) -> Operator:
     """The operator's order at a time, s."""
     return Operator(When(t, t), order)
-
-
-def levels_of(phase: Phase) -> tuple[OutputLevel, ...]:
-    """The levels at which a phase lasts: at motors the scale of the thrust need not be found first."""
-    return LEVELS[:2] if phase is Phase.SETTLE else LEVELS

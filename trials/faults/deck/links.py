@@ -15,7 +15,7 @@ from companion.world.events import (
     LinkThin,
     When,
 )
-from trials.faults.case import BEFORE_FLIGHT, LEVELS, Begin, Case, End, Strike, levels_of
+from trials.faults.case import BEFORE_FLIGHT, LEVELS, Begin, Case, End, Strike
 
 ODOMETRY = frozenset({"ODOMETRY"})
 STATUS = frozenset({"HEARTBEAT", "CURRENT_MODE"})
@@ -60,7 +60,7 @@ AGAIN = (
     Case("the last ODOMETRY again for ever", End.HELD, "no state|new state|stamp", phase=Phase.FOLLOW, within=0.5,
          events=(LinkRepeat(When(2.0), messages=ODOMETRY),)),
     Case("the last ODOMETRY again for ever, while settling", End.HELD, "no state|new state|stamp", within=0.5,
-         phase=Phase.SETTLE, events=(LinkRepeat(When(0.1), messages=ODOMETRY),), levels=levels_of(Phase.SETTLE)),
+         phase=Phase.SETTLE, events=(LinkRepeat(When(0.1), messages=ODOMETRY),)),
     Case("the last ODOMETRY again for 0.15 s", End.FLOWN, phase=Phase.FOLLOW,
          events=(LinkRepeat(When(2.0, 2.15), messages=ODOMETRY),)),
     Case("the last of every message again for ever", End.HELD, phase=Phase.FOLLOW, within=0.5, or_end=(End.FAILSAFE,),
@@ -112,7 +112,7 @@ CUT = (
           (Phase.TAKE_OVER, 0.05, Begin.ON_THE_PATH, Finish.HOLD),
           (Phase.JOIN, 1.0, Begin.BESIDE, Finish.HOLD), (Phase.FOLLOW, 0.5, Begin.ON_THE_PATH, Finish.HOLD))),
     Case("the downlink cut in settle", End.HELD, phase=Phase.SETTLE, begin=Begin.BESIDE, or_end=(End.FAILSAFE,),
-         events=(down(0.1),), levels=levels_of(Phase.SETTLE)),
+         events=(down(0.1),)),
     Case("the downlink cut in hand back", End.HELD, phase=Phase.HAND_BACK, duration=1.0, or_end=(End.FLOWN, End.ENDED),
          events=(down(),)),
     *(Case(f"the downlink cut in {phase.value}", End.ENDED, phase=phase, begin=begin, finish=finish, duration=1.0,

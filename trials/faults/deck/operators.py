@@ -5,7 +5,7 @@ from __future__ import annotations
 from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.phases import Phase
 from companion.world.events import Event, LinkCut, Order, Sticks, When
-from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End, at, levels_of
+from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End, at
 from trials.faults.deck.links import STATUS, down, up
 
 Place = tuple[Phase, float, Begin, Finish]
@@ -23,7 +23,7 @@ def told(order: Order, place: Place, *events: Event, cut: str = "", **others: ob
     """The operator's order in a phase, ``events`` beside it."""
     phase, t, begin, finish = place
     name = f"the operator's {order.value} in {phase.value}{cut}"
-    return Case(name, End.OPERATORS, phase=phase, levels=levels_of(phase), begin=begin, finish=finish, duration=1.0,
+    return Case(name, End.OPERATORS, phase=phase, begin=begin, finish=finish, duration=1.0,
                 events=(*events, at(t, order)), **others)  # type: ignore[arg-type]  # fmt: skip
 
 
@@ -89,7 +89,7 @@ BEFORE = (
 
 STOPPED = (
     *(Case(f"Ctrl-C in {phase.value}", End.ENDED, "stopped by the user", phase=phase, begin=begin, stop_at=t,
-           duration=3.0, finish=finish, levels=levels_of(phase))
+           duration=3.0, finish=finish)
       for phase, t, begin, finish in (TAKE_OVER, SETTLE, JOIN, FOLLOW)),
     *(Case(f"Ctrl-C in {phase.value}", End.DISARMED, "stopped by the user", phase=phase, begin=Begin.ON_THE_GROUND,
            stop_at=t, duration=3.0, watched_for=5.0)

@@ -19,7 +19,7 @@ from companion.world.events import (
     When,
     WrongStamps,
 )
-from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End, levels_of
+from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End
 
 NOISE = 1e-6
 HUGE = 3e38
@@ -56,7 +56,7 @@ NUMBERS = (
       for part in (Part.POSITION, Part.ATTITUDE) for value, told in ((math.nan, "NaN"), (HUGE, "3e38"))),
     *(Case(f"one ODOMETRY {told}", End.FLOWN, phase=Phase.FOLLOW, events=(one(NotANumber, value=value),))
       for value, told in ((math.nan, "of NaN"), (HUGE, "of 3e38 m"), (math.inf, "that is infinite"))),
-    Case("one ODOMETRY of 3e38 m while settling", End.FLOWN, phase=Phase.SETTLE, levels=levels_of(Phase.SETTLE),
+    Case("one ODOMETRY of 3e38 m while settling", End.FLOWN, phase=Phase.SETTLE,
          events=(NotANumber(When(0.1, 0.1 + STEP), value=HUGE),)),
     Case("ODOMETRY in LOCAL_ENU", End.REFUSED, "ODOMETRY.*frame|frame.*ODOMETRY", levels=BEFORE_FLIGHT,
          events=(OdometryFrames(When(0.0), 4, 1),)),
