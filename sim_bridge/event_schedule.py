@@ -11,8 +11,8 @@ from companion.world.events import (
     ClockJump,
     EstimatorReset,
     Event,
-    Happening,
     Jump,
+    LastingEvent,
     Operator,
     PortChange,
     When,
@@ -34,7 +34,7 @@ class EventSchedule:
     """The events of one flight."""
 
     def __init__(self, events: Iterable[Event]) -> None:
-        self._lasting: list[Happening] = []
+        self._lasting: list[LastingEvent] = []
         self._due: list[Jump] = []
         for event in events:
             self.add(event)
@@ -49,7 +49,7 @@ class EventSchedule:
         else:
             self._lasting.append(event)
 
-    def now(self, t: float, marks: Marks) -> list[Happening]:
+    def now(self, t: float, marks: Marks) -> list[LastingEvent]:
         """What lasts at ``t``, plant time in s."""
         return [event for event in self._lasting if _lasts(event.when, t, marks)]
 

@@ -17,7 +17,7 @@ MAGIC_V1 = 0xFE
 """The first byte of a MAVLink 1 frame."""
 MAGIC_V2 = 0xFD
 """The first byte of a MAVLink 2 frame."""
-Sent = tuple[int, bytes]
+InTransit = tuple[int, bytes]
 """A datagram and the us it is on its way."""
 
 
@@ -37,7 +37,7 @@ class LinkWay:
         self._delay_us = round(way.delay * 1e6)
         self._jitter_us = way.jitter * 1e6
         self._duplicate_us = round(way.duplicate_delay * 1e6)
-        self._chance = random.Random(f"{seed} {cause.name}").random
+        self._random = random.Random(f"{seed} {cause.name}").random
         self._keeps_order = bool(way.jitter)
         self._last_us: dict[int, int] = {}
         self._queue: list[tuple[int, int, int, bytes]] = []
@@ -76,24 +76,24 @@ class LinkWay:
 
     def send(self, now_us: int, endpoint: int, datagram: bytes) -> None:
         """A datagram sets out."""
-        way, chance = self._way, self._chance
-        passing: list[Sent] = [(0, datagram)]
+        way, draw = self._way, self._random
+        passing: list[InTransit] = [(0, datagram)]
         for effect in self._effects:
             if endpoint in effect.endpoints:
                 passing = [after for sent in passing for after in effect.passed(sent, now_us)]
         for later_us, data in passing:
-            if way.loss and chance() < way.loss:
+            if way.loss and draw() < way.loss:
                 continue
             at_us = now_us + later_us + self._delay_us
             if way.jitter:
-                at_us += round(self._jitter_us * chance())
+                at_us += round(self._jitter_us * draw())
             if self._keeps_order:
                 at_us = max(at_us, self._last_us.get(endpoint, 0))
                 self._last_us[endpoint] = at_us
-            if way.reordered and chance() < way.reordered:
+            if way.reordered and draw() < way.reordered:
                 at_us += OVERTAKEN_FOR_US
             self._queue_at(at_us, endpoint, data)
-            if way.duplicated and chance() < way.duplicated:
+            if way.duplicated and draw() < way.duplicated:
                 self._queue_at(at_us + self._duplicate_us, endpoint, data)
 
     def arrived(self, now_us: int) -> list[tuple[int, bytes]]:
@@ -141,7 +141,7 @@ class Effect:
         """Whether it holds everything up, so that nothing may overtake what was sent while it lasted."""
         return isinstance(self.event, LinkDelay) and not self._messages
 
-    def passed(self, sent: Sent, now_us: int) -> Sequence[Sent]:
+    def passed(self, sent: InTransit, now_us: int) -> Sequence[InTransit]:
         """What becomes of a datagram."""
         event, (later_us, datagram) = self.event, sent
         kind = message_id(datagram)

@@ -150,7 +150,7 @@ class Server:
                 due = now
                 if now - self._said_slow > 5.0:
                     self._said_slow = now
-                    self._log(f"{self._pace(begun, begun_at)}; the machine is busy")
+                    self._log(f"{self._timing(begun, begun_at)}; the machine is busy")
             earliest = now + 0.5 * self._period
             self._bridge.step()
             if self._bridge.ports_dialled != self._dialled:
@@ -160,7 +160,7 @@ class Server:
                 self._after_step()
             if self._bridge.log:
                 self._report()
-        self._log(self._pace(begun, begun_at))
+        self._log(self._timing(begun, begun_at))
 
     def close(self) -> None:
         """Close the sockets."""
@@ -220,11 +220,11 @@ class Server:
         self._sockets[0] = _bound((host, 0))
         self._log(f"{self._bridge.now:.2f} s: companion: from {host}:{self._sockets[0].getsockname()[1]} now")
 
-    def _pace(self, begun: float, begun_at: float) -> str:
+    def _timing(self, begun: float, begun_at: float) -> str:
         """How fast the plant has really run since the clock was ``begun`` and the bridge's time ``begun_at``, s."""
         passed, took = self._bridge.now - begun_at, max(1e-6, time.monotonic() - begun)
-        told = f"{self._bridge.now:.2f} s: {passed:.2f} s of plant time in {took:.2f} s, {passed / took:.3g} times"
-        return f"{told} real time of {self._speed:g} asked for"
+        line = f"{self._bridge.now:.2f} s: {passed:.2f} s of plant time in {took:.2f} s, {passed / took:.3g} times"
+        return f"{line} real time of {self._speed:g} asked for"
 
     def _report(self) -> None:
         for line in self._bridge.log:

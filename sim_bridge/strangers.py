@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from companion import mavlink_common as mav
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode
@@ -10,10 +11,6 @@ from companion.world.events import Order, Saying, Stranger
 HEARTBEAT, CURRENT_MODE, ODOMETRY = message("HEARTBEAT"), message("CURRENT_MODE"), message("ODOMETRY")
 PERIOD_US = {Saying.HEARTBEAT: 1_000_000, Saying.MODE: 100_000, Saying.STATE: 20_000}
 """us between two of what a stranger says: PX4's heartbeat, and what a companion asks for (engineering choice)."""
-ACTIVE, STANDBY = 4, 3  # MAV_STATE
-ARMED, CUSTOM_MODE_ENABLED = 0x80, 0x01  # MAV_MODE_FLAG
-LOCAL_NED = 1
-"""MAV_FRAME_LOCAL_NED."""
 MAVLINK_VERSION = 3
 """HEARTBEAT's field, by the specification."""
 MODES = {
@@ -58,15 +55,17 @@ class Speaker:
         who = self.who
         mode = MODES[who.mode].custom_mode
         if saying is Saying.HEARTBEAT:
+            armed = mav.MAV_MODE_FLAG_SAFETY_ARMED if who.armed else 0
             return self._encoder.message(
                 HEARTBEAT, custom_mode=mode, type=who.type, autopilot=who.autopilot,
-                base_mode=CUSTOM_MODE_ENABLED | (ARMED if who.armed else 0),
-                system_status=ACTIVE if who.armed else STANDBY, mavlink_version=MAVLINK_VERSION,
+                base_mode=mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | armed,
+                system_status=mav.MAV_STATE_ACTIVE if who.armed else mav.MAV_STATE_STANDBY,
+                mavlink_version=MAVLINK_VERSION,
             )  # fmt: skip
         if saying is Saying.MODE:
             return self._encoder.message(CURRENT_MODE, custom_mode=mode, intended_custom_mode=mode)
         x, y, z = who.position_n
         return self._encoder.message(
-            ODOMETRY, time_usec=boot_us, frame_id=LOCAL_NED, child_frame_id=LOCAL_NED, q=(1.0, 0.0, 0.0, 0.0),
-            x=x, y=y, z=z,
+            ODOMETRY, time_usec=boot_us, frame_id=mav.MAV_FRAME_LOCAL_NED, child_frame_id=mav.MAV_FRAME_LOCAL_NED,
+            q=(1.0, 0.0, 0.0, 0.0), x=x, y=y, z=z,
         )  # fmt: skip

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.mavlink.link import Link
 
-TEXTS, TEXTS_PERIOD = 8, 0.1
-"""How many texts are told in so many s; what somebody provokes beyond is dropped, as by PX4's queue."""
+TEXTS = 8
+"""Number of texts that are said within TEXTS_PERIOD; what is beyond is dropped, as by PX4's queue."""
+TEXTS_PERIOD = 0.1
+"""s."""
 
 
 class Teller:

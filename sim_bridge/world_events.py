@@ -11,8 +11,8 @@ from companion.world.events import (
     ClockJump,
     EstimatorReset,
     Event,
-    Happening,
     Hold,
+    LastingEvent,
     LinkEvent,
     LinkRecut,
     MotorFailure,
@@ -33,8 +33,12 @@ from sim_bridge.sensors import Sensors
 from sim_bridge.state_faults import StateFaults
 from sim_bridge.strangers import Speaker
 
-COMPANION, GROUND_STATION, XRCE = 0, 1, -1
-"""Endpoints: the two MAVLink links, and the line to the companion's XRCE agent, which shares the companion's fate."""
+COMPANION = 0
+"""Index of the companion's endpoint."""
+GROUND_STATION = 1
+"""Index of the ground station's."""
+XRCE = -1
+"""Index of the line to the companion's XRCE agent, which shares the companion's fate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +66,7 @@ class WorldEvents:
         self._schedule = EventSchedule(events)
         self._reach = reach
         self._marks = Marks()
-        self._last: list[Happening] = []
+        self._last: list[LastingEvent] = []
         self.faults = StateFaults(reach.draw)
         self.sticks: Sticks | None = None
         self.speakers: list[Speaker] = []
@@ -93,7 +97,7 @@ class WorldEvents:
             self._last = lasting
             self._change(lasting, now_us)
 
-    def _change(self, lasting: list[Happening], now_us: int) -> None:
+    def _change(self, lasting: list[LastingEvent], now_us: int) -> None:
         """Other events last than a step ago."""
         plant = self._reach.plant
         winds = [event.wind_n for event in lasting if isinstance(event, Wind)]

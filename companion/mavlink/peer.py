@@ -12,6 +12,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from companion import mavlink_common as mav
 from companion.mavlink.codec import MAGIC_V1, MAGIC_V2, Decoder, Frame
 from companion.mavlink.counters import Counters
 from companion.mavlink.dialect import message
@@ -26,13 +27,40 @@ LINE = "line"
 """The one source of a serial line."""
 
 HEARTBEAT, ODOMETRY, CURRENT_MODE = message("HEARTBEAT"), message("ODOMETRY"), message("CURRENT_MODE")
-MULTIROTORS = frozenset({2, 3, 13, 14, 15, 29, 35, 43})
-"""MAV_TYPE: quadrotor, coaxial, hexa-, octo-, tri-, dodeca-, decarotor, generic multirotor."""
+MULTIROTORS = frozenset(
+    {
+        mav.MAV_TYPE_QUADROTOR,
+        mav.MAV_TYPE_COAXIAL,
+        mav.MAV_TYPE_HEXAROTOR,
+        mav.MAV_TYPE_OCTOROTOR,
+        mav.MAV_TYPE_TRICOPTER,
+        mav.MAV_TYPE_DODECAROTOR,
+        mav.MAV_TYPE_DECAROTOR,
+        mav.MAV_TYPE_GENERIC_MULTIROTOR,
+    }
+)
+"""The MAV_TYPE of them."""
 TYPES = {
-    0: "generic vehicle", 1: "fixed wing", 4: "helicopter", 7: "airship", 8: "balloon", 9: "rocket", 10: "rover",
-    11: "boat", 12: "submarine", 16: "flapping wing", 17: "kite", 19: "VTOL", 20: "VTOL", 21: "VTOL", 22: "VTOL",
-    23: "VTOL", 24: "VTOL", 25: "VTOL", 28: "parafoil",
-}  # fmt: skip
+    mav.MAV_TYPE_GENERIC: "generic vehicle",
+    mav.MAV_TYPE_FIXED_WING: "fixed wing",
+    mav.MAV_TYPE_HELICOPTER: "helicopter",
+    mav.MAV_TYPE_AIRSHIP: "airship",
+    mav.MAV_TYPE_FREE_BALLOON: "balloon",
+    mav.MAV_TYPE_ROCKET: "rocket",
+    mav.MAV_TYPE_GROUND_ROVER: "rover",
+    mav.MAV_TYPE_SURFACE_BOAT: "boat",
+    mav.MAV_TYPE_SUBMARINE: "submarine",
+    mav.MAV_TYPE_FLAPPING_WING: "flapping wing",
+    mav.MAV_TYPE_KITE: "kite",
+    mav.MAV_TYPE_VTOL_DUOROTOR: "VTOL",
+    mav.MAV_TYPE_VTOL_QUADROTOR: "VTOL",
+    mav.MAV_TYPE_VTOL_TILTROTOR: "VTOL",
+    mav.MAV_TYPE_VTOL_RESERVED2: "VTOL",
+    mav.MAV_TYPE_VTOL_RESERVED3: "VTOL",
+    mav.MAV_TYPE_VTOL_RESERVED4: "VTOL",
+    mav.MAV_TYPE_VTOL_RESERVED5: "VTOL",
+    mav.MAV_TYPE_PARAFOIL: "parafoil",
+}
 """MAV_TYPE in words, of vehicles that are no multirotors."""
 
 PEER_SILENT = 2.0

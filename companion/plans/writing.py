@@ -6,14 +6,14 @@ import json
 import math
 from typing import Any
 
+from companion.mavlink_common import (
+    MAV_AUTOPILOT_PX4,
+    MAV_TYPE_QUADROTOR,
+)
 from companion.plans.items import AMSL_FRAMES, RELATIVE_FRAMES, FenceArea, Item, Plan
 
 CRUISE_SPEED = 15.0
 """m/s, for fixed wings; QGroundControl asks for it."""
-PX4 = 12
-"""MAV_AUTOPILOT_PX4."""
-QUADROTOR = 2
-"""MAV_TYPE_QUADROTOR."""
 RELATIVE_MODE, AMSL_MODE = 1, 2
 """QGroundControl's AltitudeMode."""
 
@@ -29,12 +29,12 @@ def plan_text(plan: Plan) -> str:
         "groundStation": "QGroundControl",
         "mission": {
             "cruiseSpeed": CRUISE_SPEED,
-            "firmwareType": PX4,
+            "firmwareType": MAV_AUTOPILOT_PX4,
             "globalPlanAltitudeMode": RELATIVE_MODE,
             "hoverSpeed": 5.0 if plan.speed is None else plan.speed,
             "items": [_item(item) for item in plan.items],
             "plannedHomePosition": home,
-            "vehicleType": QUADROTOR,
+            "vehicleType": MAV_TYPE_QUADROTOR,
             "version": 2,
         },
         "rallyPoints": {"points": [list(place[:3]) for place in plan.rally], "version": 2},

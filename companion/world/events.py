@@ -27,10 +27,10 @@ from companion.world.link_events import (
 from companion.world.when import After, When
 
 __all__ = [
-    "After", "ClockJump", "EstimatorReset", "Event", "FrozenState", "Happening", "Hold", "Impostor", "Jump", "LinkCut",
-    "LinkDelay", "LinkDuplicate", "LinkEvent", "LinkRecut", "LinkRepeat", "LinkThin", "MotorFailure", "NotANumber",
-    "OdometryFrames", "OffsetState", "Operator", "Order", "Part", "PortChange", "Push", "Saying", "Silence", "Stamps",
-    "StateFault", "Sticks", "Stranger", "When", "Wind", "WrongStamps",
+    "After", "ClockJump", "EstimatorReset", "Event", "FrozenState", "Hold", "Impostor", "Jump", "LastingEvent",
+    "LinkCut", "LinkDelay", "LinkDuplicate", "LinkEvent", "LinkRecut", "LinkRepeat", "LinkThin", "MotorFailure",
+    "NotANumber", "OdometryFrames", "OffsetState", "Operator", "Order", "Part", "PortChange", "Push",
+    "Saying", "Silence", "Stamps", "StateFault", "Sticks", "Stranger", "When", "Wind", "WrongStamps",
 ]  # fmt: skip
 
 
@@ -168,8 +168,8 @@ class Impostor:
 
 StateFault = NotANumber | Silence | FrozenState | OffsetState | WrongStamps | OdometryFrames | Impostor
 """What the vehicle says wrongly, or not at all, of itself and its state."""
-Happening = Push | Hold | Wind | MotorFailure | StateFault | LinkEvent | Sticks | Stranger
+LastingEvent = Push | Hold | Wind | MotorFailure | StateFault | LinkEvent | Sticks | Stranger
 """What lasts."""
 Jump = EstimatorReset | ClockJump | Operator | PortChange
 """What happens once."""
-Event = Happening | Jump
+Event = LastingEvent | Jump

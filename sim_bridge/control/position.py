@@ -113,9 +113,9 @@ class PositionLoop:
         level = math.hypot(north, east)
         margin = min(level, HORIZONTAL_MARGIN)
         up = min(up, math.sqrt(1.0 - margin * margin))
-        room = math.sqrt(max(0.0, 1.0 - up * up))
-        if level > room:
-            north, east = north * room / level, east * room / level
+        level_max = math.sqrt(max(0.0, 1.0 - up * up))
+        if level > level_max:
+            north, east = north * level_max / level, east * level_max / level
         per_thrust = g / hover
         if (
             math.hypot(wanted[0], wanted[1]) > math.hypot(north, east) * per_thrust

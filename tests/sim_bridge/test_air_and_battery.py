@@ -187,12 +187,12 @@ def test_the_battery_is_told_and_the_vehicle_holds_its_height_on_what_is_left() 
     assert said["current_battery"] == pytest.approx(1e2 * cells.current, abs=100)
     assert said["battery_remaining"] == pytest.approx(100.0 * cells.charge, abs=2.0)
     assert client.command(512, 147) == 0
-    told = client.last("BATTERY_STATUS")
-    assert told["voltages"][0] < 16_000
-    assert told["battery_remaining"] == pytest.approx(100.0 * cells.charge, abs=2.0)
+    values = client.last("BATTERY_STATUS")
+    assert values["voltages"][0] < 16_000
+    assert values["battery_remaining"] == pytest.approx(100.0 * cells.charge, abs=2.0)
     taken = (BATTERY.charge - cells.charge) * BATTERY.capacity / 3.6
-    assert told["current_consumed"] == pytest.approx(taken, rel=0.02)
-    assert 5 <= told["time_remaining"] <= 600
+    assert values["current_consumed"] == pytest.approx(taken, rel=0.02)
+    assert 5 <= values["time_remaining"] <= 600
     parameters = client.bridge.autopilot.parameters
     assert parameters["BAT1_CAPACITY"] == pytest.approx(600.0 / 3.6)
     assert (parameters["BAT1_N_CELLS"], parameters["BAT1_V_CHARGED"]) == (4, 4.05)

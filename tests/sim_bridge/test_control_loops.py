@@ -229,15 +229,15 @@ def test_a_wanted_attitude_is_smoothed_by_a_critically_damped_model() -> None:
 
 
 def test_a_turning_attitude_comes_out_late_and_a_told_turn_does_not() -> None:
-    late, told = Smoothed((1.0, 0.0, 0.0, 0.0)), Smoothed((1.0, 0.0, 0.0, 0.0))
+    late, known_rate = Smoothed((1.0, 0.0, 0.0, 0.0)), Smoothed((1.0, 0.0, 0.0, 0.0))
     for step in range(1, 126):
         wanted = from_rotation_vector((0.0, 0.0, 0.004 * step))  # 1 rad/s
-        late, told = smoothed(late, wanted, 0.0, 0.004), smoothed(told, wanted, 1.0, 0.004)
+        late, known_rate = smoothed(late, wanted, 0.0, 0.004), smoothed(known_rate, wanted, 1.0, 0.004)
     # 2 / wn, less half a step because a new attitude counts for the time before it
     assert 2.0 * math.asin(late.q_nb[3]) == pytest.approx(0.5 - (2.0 / SMOOTHING - 0.002), abs=1e-3)
     assert late.nearing[2] == pytest.approx(1.0, abs=1e-2)
-    assert 2.0 * math.asin(told.q_nb[3]) == pytest.approx(0.5, abs=0.004)
-    assert told.nearing[2] == 0.0
+    assert 2.0 * math.asin(known_rate.q_nb[3]) == pytest.approx(0.5, abs=0.004)
+    assert known_rate.nearing[2] == 0.0
 
 
 def test_filters_pass_what_is_slow_and_halve_power_at_the_cutoff() -> None:

@@ -121,8 +121,8 @@ def test_bytes_are_cut_anywhere_and_nothing_is_lost() -> None:
                     sizes.add(len(datagram))
     assert max(sizes) == 77
     assert whole.counters.garbage_bytes == whole.counters.lost == 0
-    told = [f.values[0] for f in frames if f.format.name == "ODOMETRY"]
-    assert told == list(range(told[0], told[-1] + 1, 8000))
+    stamps = [f.values[0] for f in frames if f.format.name == "ODOMETRY"]
+    assert stamps == list(range(stamps[0], stamps[-1] + 1, 8000))
 
 
 def test_a_command_in_pieces_is_a_command() -> None:
@@ -159,11 +159,11 @@ def test_a_frozen_position_has_its_noise_and_the_velocity_goes_on() -> None:
 
 
 @pytest.mark.parametrize(
-    ("told", "expected"),
+    ("stamps", "expected"),
     [(Stamps.ZERO, {0}), (Stamps.HUGE, {2**64 - 1}), (Stamps.FROZEN, {1_008_000})],
 )
-def test_wrong_stamps(told: Stamps, expected: set[int]) -> None:
-    client = hovering(WrongStamps(When(1.0), told))
+def test_wrong_stamps(stamps: Stamps, expected: set[int]) -> None:
+    client = hovering(WrongStamps(When(1.0), stamps))
     client.run(1.5)
     assert {fields["time_usec"] for fields in client.all("ODOMETRY", since=1.006)} == expected
     assert client.all("HIGHRES_IMU", since=1.4)[-1]["time_usec"] > 1_400_000

@@ -101,8 +101,8 @@ def test_what_goes_up_comes_down_again() -> None:
     assert (got[1]["param1"], got[1]["param2"], got[1]["param4"]) == (1.5, 2.0, 270.0)
     assert [i["current"] for i in got] == [1, 0, 0, 0, 0, 0, 0]
     client.run(1.1)
-    told = client.last("MISSION_CURRENT")
-    assert (told["seq"], told["total"], told["mission_state"], told["mission_id"]) == (0, 7, 2, identity)
+    values = client.last("MISSION_CURRENT")
+    assert (values["seq"], values["total"], values["mission_state"], values["mission_id"]) == (0, 7, 2, identity)
 
 
 def test_the_three_lists_are_apart_and_cleared_apart() -> None:

@@ -156,8 +156,8 @@ def test_loss_of_the_stream(timeout: float, seen: float, action: int, mode: Mode
     assert client.texts()[-1] == "Failsafe activated\t"
     client.command(512, 436)
     client.command(512, 0)
-    told = client.last("CURRENT_MODE")
-    assert (told["custom_mode"], told["intended_custom_mode"]) == (mode.custom_mode, Mode.OFFBOARD.custom_mode)
+    values = client.last("CURRENT_MODE")
+    assert (values["custom_mode"], values["intended_custom_mode"]) == (mode.custom_mode, Mode.OFFBOARD.custom_mode)
     assert client.last("HEARTBEAT")["system_status"] == 5
 
 

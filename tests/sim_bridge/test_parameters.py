@@ -26,7 +26,7 @@ def integer(fields: dict[str, Any]) -> int:
     return int(value)
 
 
-def told(client: Client, since: int = 0) -> list[tuple[str, dict[str, Any]]]:
+def parameters(client: Client, since: int = 0) -> list[tuple[str, dict[str, Any]]]:
     """What was said about parameters on the first link."""
     return [(h.name, h.fields) for h in client.heard[since:] if h.name.startswith("PARAM_") and h.endpoint == 0]
 
@@ -34,13 +34,13 @@ def told(client: Client, since: int = 0) -> list[tuple[str, dict[str, Any]]]:
 def read(client: Client, name: str = "", index: int = -1, **target: int) -> list[tuple[str, dict[str, Any]]]:
     before = len(client.heard)
     client.send("PARAM_REQUEST_READ", param_id=name, param_index=index, **target)
-    return told(client, before)
+    return parameters(client, before)
 
 
 def set_(client: Client, name: str, value: float, kind: int) -> list[tuple[str, dict[str, Any]]]:
     before = len(client.heard)
     client.send("PARAM_SET", param_id=name, param_value=value, param_type=kind)
-    return told(client, before)
+    return parameters(client, before)
 
 
 def test_the_table_is_believable() -> None:
@@ -101,7 +101,7 @@ def test_a_set_is_answered_at_once_and_told_again_on_all_links() -> None:
     before = len(client.heard)
     assert len(set_(client, "COM_OBL_RC_ACT", bits(5), INT32)) == 1
     client.run(0.05)  # nothing has changed: nothing to tell
-    assert len(told(client, before)) == 1
+    assert len(parameters(client, before)) == 1
 
 
 @pytest.mark.parametrize("value", [99.0, -3.0, NAN, float("inf")])

@@ -39,8 +39,8 @@ def test_a_place_is_flown_to_as_px4_does_it() -> None:
     assert 1.5 < client.bridge.truth.p_n[0] < 4.5
     flying(10.0, POSITION_ONLY, client=client, x=5.0, y=0.0, z=-12.0)
     assert client.bridge.truth.p_n == pytest.approx((5.0, 0.0, -12.0), abs=0.3)
-    told = client.last("POSITION_TARGET_LOCAL_NED")
-    assert (told["x"], told["z"], told["coordinate_frame"]) == (5.0, -12.0, 1)
+    values = client.last("POSITION_TARGET_LOCAL_NED")
+    assert (values["x"], values["z"], values["coordinate_frame"]) == (5.0, -12.0, 1)
     client.command(512, 0)
     assert client.last("HEARTBEAT")["base_mode"] == 0x91
 

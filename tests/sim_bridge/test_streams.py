@@ -54,9 +54,9 @@ def test_what_px4_says_unasked_at_boot() -> None:
     client = Client("sih", landed=True)
     client.run(4.0)
     for endpoint in (0, 1):
-        told = client.all("PARAM_VALUE", endpoint)
-        assert len(told) == 16
-        assert (told[0]["param_id"], told[-1]["param_id"]) == ("CAL_ACC0_ID", "SYS_AUTOSTART")
+        values = client.all("PARAM_VALUE", endpoint)
+        assert len(values) == 16
+        assert (values[0]["param_id"], values[-1]["param_id"]) == ("CAL_ACC0_ID", "SYS_AUTOSTART")
         grabs = client.all("COMMAND_LONG", endpoint)
         assert [(said["command"], said["target_system"], said["confirmation"]) for said in grabs] == [
             (211, 0, confirmation) for confirmation in range(4)
@@ -167,9 +167,9 @@ def test_state_messages_agree_in_stamp_frame_and_value() -> None:
     euler = client.last("ATTITUDE")
     again = quaternion_from_euler(euler["yaw"], euler["pitch"], euler["roll"])
     assert abs(sum(a * b for a, b in zip(again, truth.q_nb, strict=True))) == pytest.approx(1.0, abs=1e-9)
-    told = client.last("HIL_STATE_QUATERNION")
-    assert told["time_usec"] == 400_000
-    assert told["attitude_quaternion"] == pytest.approx(truth.q_nb, abs=1e-7)
+    values = client.last("HIL_STATE_QUATERNION")
+    assert values["time_usec"] == 400_000
+    assert values["attitude_quaternion"] == pytest.approx(truth.q_nb, abs=1e-7)
 
 
 def test_global_position_is_the_local_one_on_the_map() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from companion import mavlink_common as mav
 from companion.mavlink.codec import Decoder, Frame
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode, mode_of
@@ -16,14 +17,25 @@ from companion.vehicle import Vehicle
 HEARTBEAT, CURRENT_MODE, ODOMETRY = message("HEARTBEAT"), message("CURRENT_MODE"), message("ODOMETRY")
 COMMAND_LONG, COMMAND_INT, SET_MODE = message("COMMAND_LONG"), message("COMMAND_INT"), message("SET_MODE")
 ATTITUDE_TARGET, ACTUATORS = message("SET_ATTITUDE_TARGET"), message("SET_ACTUATOR_CONTROL_TARGET")
-ARMED = 0x80  # MAV_MODE_FLAG_SAFETY_ARMED
-DO_SET_MODE, ARM_DISARM = 176, 400
 CHANGING = {
-    16: "NAV_WAYPOINT", 20: "RETURN", 21: "LAND", 22: "TAKEOFF", 23: "PRECISION_LAND", 34: "ORBIT", 84: "VTOL_TAKEOFF",
-    DO_SET_MODE: "MODE", 185: "TERMINATE", 192: "REPOSITION", 195: "ROI", 252: "OVERRIDE_GOTO", 262: "STANDARD_MODE",
-    300: "MISSION_START", ARM_DISARM: "ARM_DISARM", 43000: "GUIDED",
-}  # fmt: skip
-"""MAV_CMD that change mode, arming or place."""
+    mav.MAV_CMD_NAV_WAYPOINT: "NAV_WAYPOINT",
+    mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: "RETURN",
+    mav.MAV_CMD_NAV_LAND: "LAND",
+    mav.MAV_CMD_NAV_TAKEOFF: "TAKEOFF",
+    mav.MAV_CMD_NAV_LAND_LOCAL: "PRECISION_LAND",
+    mav.MAV_CMD_DO_ORBIT: "ORBIT",
+    mav.MAV_CMD_NAV_VTOL_TAKEOFF: "VTOL_TAKEOFF",
+    mav.MAV_CMD_DO_SET_MODE: "MODE",
+    mav.MAV_CMD_DO_FLIGHTTERMINATION: "TERMINATE",
+    mav.MAV_CMD_DO_REPOSITION: "REPOSITION",
+    mav.MAV_CMD_DO_SET_ROI_LOCATION: "ROI",
+    mav.MAV_CMD_OVERRIDE_GOTO: "OVERRIDE_GOTO",
+    mav.MAV_CMD_DO_SET_STANDARD_MODE: "STANDARD_MODE",
+    mav.MAV_CMD_MISSION_START: "MISSION_START",
+    mav.MAV_CMD_COMPONENT_ARM_DISARM: "ARM_DISARM",
+    mav.MAV_CMD_GUIDED_CHANGE_SPEED: "GUIDED",
+}
+"""Commands that change mode, arming or place."""
 STATE_AGE_MAX = 0.6
 """s between the arrival of a state and a setpoint made from it: 0.2 until it is stale, 0.3 of levelling, and the time
 until each is noticed (the pilot looks around every 0.05 s)."""
@@ -97,7 +109,9 @@ class Traffic:
             self.statuses.append(Heard(now, mode_of(frame.values[0]), mode_of(frame.values[1]), None))
         else:
             custom_mode, _, _, base_mode, _, _ = frame.values
-            self.statuses.append(Heard(now, mode_of(custom_mode), None, bool(base_mode & ARMED)))
+            self.statuses.append(
+                Heard(now, mode_of(custom_mode), None, bool(base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED))
+            )
 
     def _look_at(self, frame: Frame, now: float) -> None:
         """A setpoint is finite, within the vehicle's limits, and made from a state that was heard just now."""
@@ -131,9 +145,9 @@ def _changing(frame: Frame, now: float) -> Said | None:
     command = fields["command"]
     if command not in CHANGING:
         return None
-    if command == DO_SET_MODE:
+    if command == mav.MAV_CMD_DO_SET_MODE:
         mode = mode_of(int(fields["param2"]) << 16 | int(fields["param3"]) << 24)
         return Said(now, mode.words, mode)
-    if command == ARM_DISARM:
+    if command == mav.MAV_CMD_COMPONENT_ARM_DISARM:
         return Said(now, "ARM" if fields["param1"] == 1.0 else "DISARM")
     return Said(now, CHANGING[command])

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from companion import mavlink_common as mav
 from companion.config.world.event_times import Once, While
 from companion.world import events
 from companion.world.events import Event, Order, Saying
@@ -18,14 +19,28 @@ ModeName = Literal["hold", "land", "return", "position", "altitude", "stabilized
 Metres = Annotated[float, Field(ge=-1e4, le=1e4)]
 Byte = Annotated[int, Field(ge=1, le=255)]
 Stick = Annotated[float, Field(ge=-1.0, le=1.0)]
-TYPES = {"fixed_wing": 1, "quadrotor": 2, "helicopter": 4, "ground_station": 6, "rover": 10, "boat": 11,
-         "hexarotor": 13, "octorotor": 14, "onboard_controller": 18, "vtol": 22}  # fmt: skip
+TYPES = {
+    "fixed_wing": mav.MAV_TYPE_FIXED_WING,
+    "quadrotor": mav.MAV_TYPE_QUADROTOR,
+    "helicopter": mav.MAV_TYPE_HELICOPTER,
+    "ground_station": mav.MAV_TYPE_GCS,
+    "rover": mav.MAV_TYPE_GROUND_ROVER,
+    "boat": mav.MAV_TYPE_SURFACE_BOAT,
+    "hexarotor": mav.MAV_TYPE_HEXAROTOR,
+    "octorotor": mav.MAV_TYPE_OCTOROTOR,
+    "onboard_controller": mav.MAV_TYPE_ONBOARD_CONTROLLER,
+    "vtol": mav.MAV_TYPE_VTOL_RESERVED2,
+}
 """MAV_TYPE by our names for it."""
 TypeName = Literal[
     "fixed_wing", "quadrotor", "helicopter", "ground_station", "rover", "boat", "hexarotor", "octorotor",
     "onboard_controller", "vtol",
 ]  # fmt: skip
-AUTOPILOTS = {"none": 8, "px4": 12, "ardupilot": 3}
+AUTOPILOTS = {
+    "none": mav.MAV_AUTOPILOT_INVALID,
+    "px4": mav.MAV_AUTOPILOT_PX4,
+    "ardupilot": mav.MAV_AUTOPILOT_ARDUPILOTMEGA,
+}
 """MAV_AUTOPILOT."""
 AutopilotName = Literal["px4", "ardupilot", "none"]
 

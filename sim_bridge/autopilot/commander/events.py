@@ -33,6 +33,7 @@ ACTIONS = {
     Mode.POSITION: 2, Mode.ALTITUDE: 3, Mode.STABILIZED: 4, Mode.HOLD: 5, Mode.RETURN: 6, Mode.LAND: 7,
     Mode.DESCEND: 8, Mode.TERMINATION: 10,
 }  # fmt: skip
+"""Codes of PX4's failsafe actions by the mode they end in, as its event names them."""
 PLAIN = {
     "Takeoff detected": 4277609, "Landing detected": 9844908, "Returning to launch": 3484900,
     "Landing at current position": 3322590, "Executing Mission": 15598001, "Mission finished, loitering": 4678390,

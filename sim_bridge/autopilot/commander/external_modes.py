@@ -24,8 +24,10 @@ REQUEST_TIMEOUT = 0.05
 """s after which an answer has not come in time to count as one."""
 REPLY_TIMEOUT = 0.3
 """s: an answer whose stamp is older does not count."""
-UNANSWERED_AT_MOST, UNANSWERED_AT_FIRST = 3, 10
-"""Questions without an answer, one more than which makes a mode unresponsive; and before its first answer."""
+UNANSWERED_AT_MOST = 3
+"""Number of questions without an answer, one more than which makes a mode unresponsive."""
+UNANSWERED_AT_FIRST = 10
+"""The same before its first answer."""
 RELAPSES = 3
 """How often a mode may become unresponsive and still be taken back."""
 API_VERSION = 1

@@ -41,7 +41,16 @@ WITH_THE_GLOBE = bits(Mode.MISSION, Mode.HOLD, Mode.RETURN)
 NOT_TO_ARM_IN = bits(
     Mode.RETURN, Mode.DESCEND, Mode.TERMINATION, Mode.LAND, Mode.FOLLOW, Mode.PRECISION_LAND, Mode.ORBIT
 )  # fmt: skip
-REMOTE_CONTROL, COMMUNICATION, LOCAL_POSITION, SYSTEM, GLOBAL_POSITION = 7, 12, 17, 20, 24
+REMOTE_CONTROL = 7
+"""Number of PX4's health component remote_control."""
+COMMUNICATION = 12
+"""Number of PX4's health component communication_links."""
+LOCAL_POSITION = 17
+"""Number of PX4's health component local_position_estimate."""
+SYSTEM = 20
+"""Number of PX4's health component system."""
+GLOBAL_POSITION = 24
+"""Number of PX4's health component global_position_estimate."""
 PRESENT = 0x38020D02
 """The parts PX4's simulation has as soon as it is up; GPS and the link to an operator come later."""
 GPS = 3
@@ -50,10 +59,28 @@ ARMING_SUMMARY = 11047904
 """Id of PX4's event arming_check_summary."""
 HEALTH_SUMMARY = 1914663
 """Id of PX4's event health_summary."""
-NO_STREAM, NOT_THIS_MODE, NO_PLACE, NO_GLOBE = 11464574, 1871713, 13835193, 10011251
-NO_MISSION, NO_STICKS, NO_OPERATOR = 377561, 453929, 6801787
-PROTOCOL, ERROR, WARNING, INFO = 0x88, 0x33, 0x44, 0x66
-"""Log levels, to the log and to others."""
+NO_STREAM = 11464574
+"""Id of PX4's event that says that no offboard setpoints come."""
+NOT_THIS_MODE = 1871713
+"""Id of PX4's event that says that this mode cannot be armed in."""
+NO_PLACE = 13835193
+"""Id of PX4's event that says that there is no local position."""
+NO_GLOBE = 10011251
+"""Id of PX4's event that says that there is no global position."""
+NO_MISSION = 377561
+"""Id of PX4's event that says that there is no mission."""
+NO_STICKS = 453929
+"""Id of PX4's event that says that there is no manual control."""
+NO_OPERATOR = 6801787
+"""Id of PX4's event that says that there is no ground station."""
+PROTOCOL = 0x88
+"""Bits of PX4's log levels, internal and external: protocol."""
+ERROR = 0x33
+"""Bits of PX4's log levels, internal and external: error."""
+WARNING = 0x44
+"""Bits of PX4's log levels, internal and external: warning."""
+INFO = 0x66
+"""Bits of PX4's log levels, internal and external: info."""
 
 
 class Health(NamedTuple):
@@ -83,7 +110,7 @@ class Check(NamedTuple):
 
     id: int
     levels: int
-    told: int
+    argument: int
     no_arming: int
     no_flying: int
     part: int
@@ -91,7 +118,7 @@ class Check(NamedTuple):
     @property
     def said(self) -> Said:
         """Its event."""
-        return Said(self.id, self.levels, struct.pack("<IB", self.told, self.part))
+        return Said(self.id, self.levels, struct.pack("<IB", self.argument, self.part))
 
 
 def failing(health: Health) -> list[Check]:

@@ -15,8 +15,12 @@ from companion.world import Home
 from sim_bridge.autopilot.flight_modes.guidance import Guidance
 from sim_bridge.sensors import Estimate
 
-ORIGIN_AFTER, HOME_AFTER, POSITION_AFTER = 0.63, 1.9, 2.7
-"""s from boot until the local frame has its origin, home is known and the position is good."""
+ORIGIN_AFTER = 0.63
+"""s from boot until the local frame has its origin. As PX4's simulation."""
+HOME_AFTER = 1.9
+"""s from boot until home is known. As PX4's simulation: 1.1 to 3.6."""
+POSITION_AFTER = 2.7
+"""s from boot until the position is good. As PX4's simulation."""
 CARRIED_AWAY = 1.0
 """m from home beyond which a vehicle on the ground takes the new place for its home."""
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -87,10 +91,6 @@ class HomePosition:
         """Home is at ``place`` (m, NED) from now on, whatever the vehicle does."""
         self._by_hand = True
         self._set(place, q, now.time_us)
-
-    def set_origin(self, now: Estimate) -> None:
-        """The local frame has got another origin."""
-        self.origin_set_us = now.time_us
 
     def _set(self, place: Vec3, q: Quaternion, time_us: int) -> None:
         self._guidance.home_n = place

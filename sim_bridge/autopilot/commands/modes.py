@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from companion import mavlink_common as mav
 from companion.mavlink.modes import Mode
 from companion.mavlink_common import (
     MAV_CMD_COMPONENT_ARM_DISARM,
@@ -25,7 +26,6 @@ from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, byte, wh
 from sim_bridge.autopilot.flight_modes.guidance import TakeOff
 from sim_bridge.autopilot.flight_modes.orbit import ordered
 
-CUSTOM, AUTO, GUIDED, STABILIZE, MANUAL_INPUT = 0x01, 0x04, 0x08, 0x10, 0x40  # MAV_MODE_FLAG
 ANY_SUB = {
     1: Mode.MANUAL,
     2: Mode.ALTITUDE,
@@ -39,6 +39,7 @@ AUTO_MODES = {
     0: Mode.MISSION, 2: Mode.TAKEOFF, 3: Mode.HOLD, 4: Mode.MISSION, 5: Mode.RETURN, 6: Mode.LAND, 8: Mode.FOLLOW,
     9: Mode.PRECISION_LAND, 19: Mode.GUIDED_COURSE, **{mode.sub: mode for mode in EXTERNAL},
 }  # fmt: skip
+"""By PX4's PX4_CUSTOM_SUB_MODE_AUTO."""
 STANDARD = {
     1: Mode.POSITION, 2: Mode.ORBIT, 4: Mode.ALTITUDE, 5: Mode.RETURN, 6: Mode.MISSION, 7: Mode.LAND, 8: Mode.TAKEOFF,
 }  # fmt: skip
@@ -47,11 +48,13 @@ STANDARD = {
 
 def mode_asked(base: int, main: int, sub: int) -> Mode | str:
     """The mode of DO_SET_MODE's parameters, or the text PX4 refuses it with."""
-    if not base & CUSTOM:
-        if base & AUTO:
+    if not base & mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
+        if base & mav.MAV_MODE_FLAG_AUTO_ENABLED:
             return Mode.MISSION
-        if base & MANUAL_INPUT:
-            return Mode.POSITION if base & GUIDED else Mode.STABILIZED if base & STABILIZE else Mode.MANUAL
+        if base & mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED:
+            if base & mav.MAV_MODE_FLAG_GUIDED_ENABLED:
+                return Mode.POSITION
+            return Mode.STABILIZED if base & mav.MAV_MODE_FLAG_STABILIZE_ENABLED else Mode.MANUAL
         return "Unsupported base mode\t"
     if main == 3:
         return Mode.POSITION_SLOW if sub == Mode.POSITION_SLOW.sub else Mode.POSITION

@@ -11,8 +11,10 @@ from sim_bridge.autopilot.autopilot import Autopilot
 
 NOT_GIVEN = 2**31 - 1
 """What COMMAND_INT says for a coordinate that is not given."""
-_CAST_LOW, _CAST_HIGH = 2.0**31 - 128.0, 2.0**31 + 256.0
-"""The floats next to it."""
+_CAST_LOW = 2.0**31 - 128.0
+"""The largest float32 below it."""
+_CAST_HIGH = 2.0**31 + 256.0
+"""The smallest float32 above 2**31."""
 
 
 class Command(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from companion import mavlink_common as mav
 from companion.mavlink_common import (
     MAV_CMD_ACTUATOR_TEST,
     MAV_CMD_CONTROL_HIGH_LATENCY,
@@ -32,17 +33,27 @@ from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, whole
 MESSAGE_INTERVAL = 244
 """The message that GET_MESSAGE_INTERVAL, and a request for it, is answered with."""
 UNANSWERED = frozenset({
-    35, 93, 203, 204, 205, 206, 214, 220, 242, 243, 260, 311, 500, 521, 530, 531, 532, 1000, 1001, 2003, 2511, 3000,
-    30001, 30002, 42600,
+    mav.MAV_CMD_DO_FIGURE_EIGHT, mav.MAV_CMD_NAV_DELAY, mav.MAV_CMD_DO_DIGICAM_CONTROL,
+    mav.MAV_CMD_DO_MOUNT_CONFIGURE, mav.MAV_CMD_DO_MOUNT_CONTROL, mav.MAV_CMD_DO_SET_CAM_TRIGG_DIST,
+    mav.MAV_CMD_DO_SET_CAM_TRIGG_INTERVAL, mav.MAV_CMD_DO_MOUNT_CONTROL_QUAT,
+    mav.MAV_CMD_PREFLIGHT_SET_SENSOR_OFFSETS, mav.MAV_CMD_PREFLIGHT_UAVCAN, mav.MAV_CMD_OBLIQUE_SURVEY,
+    mav.MAV_CMD_CONFIGURE_ACTUATOR, mav.MAV_CMD_START_RX_PAIR, mav.MAV_CMD_REQUEST_CAMERA_INFORMATION,
+    mav.MAV_CMD_SET_CAMERA_MODE, mav.MAV_CMD_SET_CAMERA_ZOOM, mav.MAV_CMD_SET_CAMERA_FOCUS,
+    mav.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW, mav.MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE, mav.MAV_CMD_DO_TRIGGER_CONTROL,
+    mav.MAV_CMD_LOGGING_STOP, mav.MAV_CMD_DO_VTOL_TRANSITION, mav.MAV_CMD_PAYLOAD_PREPARE_DEPLOY,
+    mav.MAV_CMD_PAYLOAD_CONTROL_DEPLOY, mav.MAV_CMD_DO_WINCH,
 })  # fmt: skip
-"""MAV_CMD that PX4 leaves to cameras, mounts, loggers and the like, of which none is here to answer."""
+"""Commands that PX4 leaves to cameras, mounts, loggers and the like, of which none is here to answer."""
 STORAGE_ACTIONS = range(5)
 """PREFLIGHT_STORAGE's first parameter."""
 RESET_CONFIGURATION = 2
 """PREFLIGHT_STORAGE: back to the defaults, sensors apart."""
 RESET_ALL = 4
 """PREFLIGHT_STORAGE: back to the defaults, all of them."""
-LOAD, SAVE = 0, 1
+LOAD = 0
+"""PREFLIGHT_STORAGE: read from where they are kept."""
+SAVE = 1
+"""PREFLIGHT_STORAGE: write there."""
 GRIPPER_ACTIONS = (0, 1)
 """Release and grab."""
 SAFETY_STATES = (0, 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import math
 from typing import NamedTuple
 
@@ -15,28 +16,29 @@ APPROACH = 0.5
 """1/s: how quickly a distance that is not the wanted one is made up for."""
 APPROACH_MOST = 5.0
 """m/s towards the circle at most, where nothing is left for going round."""
-UNCHANGED = 4
-"""ORBIT_YAW_BEHAVIOUR: as it was."""
-TO_THE_CENTRE = 0
-"""ORBIT_YAW_BEHAVIOUR: the nose to the centre."""
-AS_BEGUN = 1
-"""ORBIT_YAW_BEHAVIOUR: as it pointed when it began."""
-ANYHOW = 2
-"""ORBIT_YAW_BEHAVIOUR: not controlled."""
-ALONG = 3
-"""ORBIT_YAW_BEHAVIOUR: along the circle."""
+
+
+class OrbitYawBehaviour(enum.IntEnum):
+    """ORBIT_YAW_BEHAVIOUR: where the nose points."""
+
+    HOLD_FRONT_TO_CIRCLE_CENTER = 0
+    HOLD_INITIAL_HEADING = 1
+    UNCONTROLLED = 2
+    HOLD_FRONT_TANGENT_TO_CIRCLE = 3
+    RC_CONTROLLED = 4
+    UNCHANGED = 5
 
 
 class Orbit(NamedTuple):
     """Round ``centre`` (m, NED; its height is flown) at ``radius`` (m), with ``speed`` (m/s), clockwise if positive.
 
-    ``yaw_behaviour``: where it points, an ORBIT_YAW_BEHAVIOUR.
+    ``yaw_behaviour``: where it points, an ``OrbitYawBehaviour``; by hand and uncontrolled, the heading stays.
     """
 
     centre: Vec3
     radius: float
     speed: float
-    yaw_behaviour: int = TO_THE_CENTRE
+    yaw_behaviour: int = OrbitYawBehaviour.HOLD_FRONT_TO_CIRCLE_CENTER
 
     def moved(self, reference: Reference, pace: TrajectoryLimits, step: float) -> Reference:
         """The reference one ``step`` (s) further round."""
@@ -58,9 +60,9 @@ class Orbit(NamedTuple):
     def heading(self, now: Estimate, held: float) -> float:
         """Where the nose is to point (rad). ``held``: where it points."""
         north, east = self.centre[0] - now.p_n[0], self.centre[1] - now.p_n[1]
-        if self.yaw_behaviour == TO_THE_CENTRE and math.hypot(north, east) > 0.1:
+        if self.yaw_behaviour == OrbitYawBehaviour.HOLD_FRONT_TO_CIRCLE_CENTER and math.hypot(north, east) > 0.1:
             return math.atan2(east, north)
-        if self.yaw_behaviour == ALONG:
+        if self.yaw_behaviour == OrbitYawBehaviour.HOLD_FRONT_TANGENT_TO_CIRCLE:
             return math.atan2(now.v_n[1], now.v_n[0])
         return held
 
@@ -78,8 +80,8 @@ def ordered(
     fast = speed if math.isfinite(speed) else 1.0 if before is None else abs(before.speed)
     if not RADIUS_MIN <= size <= most:
         return None
-    behaviour = TO_THE_CENTRE if before is None else before.yaw_behaviour
-    if math.isfinite(yaw_behaviour) and round(yaw_behaviour) != UNCHANGED:
+    behaviour: int = OrbitYawBehaviour.HOLD_FRONT_TO_CIRCLE_CENTER if before is None else before.yaw_behaviour
+    if math.isfinite(yaw_behaviour) and round(yaw_behaviour) != OrbitYawBehaviour.UNCHANGED:
         behaviour = round(yaw_behaviour)
     where = centre or (now.p_n if before is None else before.centre)
     bound = math.sqrt(2.0 * size)  # the centripetal acceleration PX4 allows itself: 2 m/s^2

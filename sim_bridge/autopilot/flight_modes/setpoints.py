@@ -26,6 +26,7 @@ def _index(field: str) -> int:
 
 _Q = ATTITUDE_TARGET.where["q"]
 _RATES = slice(_index("body_roll_rate"), _index("body_yaw_rate") + 1)
+"""Where the rates stand in the wire order."""
 _THRUST = _index("thrust")
 _MASK = _index("type_mask")
 _THRUST_BODY = ATTITUDE_TARGET.where["thrust_body"]

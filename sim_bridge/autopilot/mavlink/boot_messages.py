@@ -8,6 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink_common import (
+    MAV_CMD_DO_GRIPPER,
+)
 
 PARAMETERS_AT_US = 1_120_000
 """us after boot (recorded)."""
@@ -18,8 +21,6 @@ PARAMETERS = (
 )  # fmt: skip
 GRIPPER_AT_US = (510_000, 1_330_000, 1_830_000, 2_350_000)
 """Nobody answers the first, so it is said again, to everybody, with a confirmation that counts."""
-DO_GRIPPER = 211
-"""MAV_CMD_DO_GRIPPER."""
 GRAB = 1.0
 """GRIPPER_ACTION_GRAB."""
 _COMMAND = message("COMMAND_LONG")
@@ -40,5 +41,5 @@ class BootMessages:
             for name in PARAMETERS:
                 self._tell(name)
         if self._grabbed < len(GRIPPER_AT_US) and now_us >= GRIPPER_AT_US[self._grabbed]:
-            self._send(_COMMAND, _COMMAND.values(command=DO_GRIPPER, param2=GRAB, confirmation=self._grabbed))
+            self._send(_COMMAND, _COMMAND.values(command=MAV_CMD_DO_GRIPPER, param2=GRAB, confirmation=self._grabbed))
             self._grabbed += 1

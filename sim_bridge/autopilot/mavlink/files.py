@@ -62,7 +62,8 @@ def _group(name: str) -> str:
 
 PARAMETERS = _Parameters()
 EVENTS = Document(event_table())
-PARAMETER_METADATA, EVENT_METADATA = 1, 4  # COMP_METADATA_TYPE
+PARAMETER_METADATA = 1  # COMP_METADATA_TYPE_PARAMETER
+EVENT_METADATA = 4  # COMP_METADATA_TYPE_EVENTS
 
 
 class _General(Document):

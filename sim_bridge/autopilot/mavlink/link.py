@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from companion import mavlink_common as mav
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.signing import SETUP_SIGNING
@@ -41,7 +42,10 @@ NOT_ON_REQUEST = frozenset({message("GPS_RAW_INT").id, message("TIME_ESTIMATE_TO
 
 NAN_CAST = 0x7FF80000
 """What becomes of NaN where somebody casts it to a coordinate of COMMAND_INT."""
-KNOWN_TO_THE_LINK = frozenset({176, 212, 420, 510, 511, 512})
+KNOWN_TO_THE_LINK = frozenset({
+    mav.MAV_CMD_DO_SET_MODE, mav.MAV_CMD_DO_AUTOTUNE_ENABLE, mav.MAV_CMD_INJECT_FAILURE,
+    mav.MAV_CMD_GET_MESSAGE_INTERVAL, mav.MAV_CMD_SET_MESSAGE_INTERVAL, mav.MAV_CMD_REQUEST_MESSAGE,
+})  # fmt: skip
 """Commands PX4's link deals with itself, whoever sends them."""
 
 _ACK = message("COMMAND_ACK")
@@ -72,7 +76,7 @@ class Link:
             autopilot.missions, autopilot.mission, SYSTEM, self.emit, autopilot.commander.texts.append
         )  # fmt: skip
         self._events = events.EventLink(autopilot.events, SYSTEM, self.emit)
-        self._greeting = BootMessages(self._parameters.tell, self.emit) if boots else None
+        self._boot_messages = BootMessages(self._parameters.tell, self.emit) if boots else None
         self._builders = BUILDERS | {_LINK_NODE_STATUS.id: (_LINK_NODE_STATUS, self._link_node_status)}
         self._editions: dict[int, object] = {}
         self._texts = 0
@@ -147,8 +151,8 @@ class Link:
             self._parameters.poll(now_us)
             self._missions.poll(now_us)
             self._events.poll(now_us)
-            if self._greeting is not None:
-                self._greeting.poll(now_us)
+            if self._boot_messages is not None:
+                self._boot_messages.poll(now_us)
 
     def emit(self, fmt: Format, values: tuple[Value, ...]) -> None:
         """Queue a message."""

@@ -10,6 +10,11 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import MAGIC_V2, Frame
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink_common import (
+    MAV_PARAM_TYPE_INT32,
+    MAV_PARAM_TYPE_REAL32,
+    MAV_PARAM_TYPE_UINT32,
+)
 from sim_bridge.autopilot.parameters import Parameters
 
 READ, LIST, SET = message("PARAM_REQUEST_READ"), message("PARAM_REQUEST_LIST"), message("PARAM_SET")
@@ -20,8 +25,10 @@ _RAW_VALUE = Format(_VALUE.id, _VALUE.name, "<4sHH16sB", dict.fromkeys(_VALUE.fi
 HASH = "_HASH_CHECK"
 HASH_INDEX = 65535
 """The index of a parameter outside the list."""
-UINT32, INT32, REAL32 = 5, 6, 9  # MAV_PARAM_TYPE
-DOES_NOT_EXIST, READ_ONLY, TYPE_UNSUPPORTED, TYPE_MISMATCH = 1, 5, 6, 7  # MAV_PARAM_ERROR
+DOES_NOT_EXIST = 1  # MAV_PARAM_ERROR_DOES_NOT_EXIST
+READ_ONLY = 5  # MAV_PARAM_ERROR_READ_ONLY
+TYPE_UNSUPPORTED = 6  # MAV_PARAM_ERROR_TYPE_UNSUPPORTED
+TYPE_MISMATCH = 7  # MAV_PARAM_ERROR_TYPE_MISMATCH
 BURST = 10
 """How many values of a list go out together."""
 BROADCAST_AFTER_US = 10_000
@@ -90,9 +97,9 @@ class ParameterLink:
             self._refuse(frame, READ_ONLY, name)
         elif name not in self._parameters:
             self._refuse(frame, DOES_NOT_EXIST, name)
-        elif kind not in (INT32, REAL32):
+        elif kind not in (MAV_PARAM_TYPE_INT32, MAV_PARAM_TYPE_REAL32):
             self._refuse(frame, TYPE_UNSUPPORTED, name)
-        elif (kind == INT32) != self._parameters.is_integer(name):
+        elif (kind == MAV_PARAM_TYPE_INT32) != self._parameters.is_integer(name):
             self._refuse(frame, TYPE_MISMATCH, name)
         else:
             self._parameters.unpack(name, _value_bytes(frame))
@@ -112,11 +119,11 @@ class ParameterLink:
     def tell(self, name: str) -> None:
         """Send a value."""
         parameters = self._parameters
-        kind = INT32 if parameters.is_integer(name) else REAL32
+        kind = MAV_PARAM_TYPE_INT32 if parameters.is_integer(name) else MAV_PARAM_TYPE_REAL32
         self._value(name, parameters.packed(name), kind, parameters.index[name])
 
     def _tell_hash(self) -> None:
-        self._value(HASH, struct.pack("<I", self._parameters.hash), UINT32, HASH_INDEX)
+        self._value(HASH, struct.pack("<I", self._parameters.hash), MAV_PARAM_TYPE_UINT32, HASH_INDEX)
 
     def _value(self, name: str, raw: bytes, kind: int, index: int) -> None:
         self._send(_RAW_VALUE, (raw, len(self._parameters.names), index, name.encode("ascii"), kind))

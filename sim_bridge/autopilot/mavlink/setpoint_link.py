@@ -6,14 +6,15 @@ from collections.abc import Callable
 
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Value
-from companion.mavlink_common import MavSeverity
+from companion.mavlink_common import MAV_COMP_ID_AUTOPILOT1, MavSeverity
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.flight_modes import position_setpoints
 from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
 from sim_bridge.autopilot.flight_modes.setpoints import ACTUATORS, ATTITUDE_TARGET, actuator_controls, attitude_target
 
-SYSTEM, COMPONENT = 1, 1
-"""The vehicle's own MAVLink ids."""
+SYSTEM = 1
+"""The vehicle's own MAVLink system id: PX4's default of MAV_SYS_ID."""
+COMPONENT = MAV_COMP_ID_AUTOPILOT1
 
 
 class SetpointLink:

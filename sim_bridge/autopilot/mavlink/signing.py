@@ -39,12 +39,12 @@ class KeyStore:
 
     def requested(self, frame: Frame, system: int, component: int, *, armed: bool) -> None:
         """SETUP_SIGNING came: the decoder has seen to it that it is signed, where there is a key."""
-        told = SETUP_SIGNING.named(frame.values)
-        target = told["target_system"], told["target_component"]
+        values = SETUP_SIGNING.named(frame.values)
+        target = values["target_system"], values["target_component"]
         if armed or target[0] not in (0, system) or target[1] not in (0, component):
             return
-        key = bytes(told["secret_key"])
-        self.set(key if any(key) or told["initial_timestamp"] else None, min(told["initial_timestamp"], STAMP_MAX))
+        key = bytes(values["secret_key"])
+        self.set(key if any(key) or values["initial_timestamp"] else None, min(values["initial_timestamp"], STAMP_MAX))
 
     def _install(self, number: int) -> None:
         encoder, decoder = self._links[number]

@@ -76,13 +76,47 @@ TABLE: dict[str, Row] = {
 """The messages that are sent."""
 
 SILENT: dict[int, Row] = {
-    25: Row(1, 1), 62: Row(10, 1), 65: Row(20, 20), 69: Row(OFF, OFF), 76: Row(UNLIMITED, UNLIMITED),
-    106: Row(10, 10), 112: Row(UNLIMITED, OFF), 116: Row(OFF, OFF), 124: Row(UNLIMITED, 1), 129: Row(OFF, OFF),
-    137: Row(OFF, OFF), 143: Row(OFF, OFF), 149: Row(OFF, OFF), 192: Row(OFF, OFF), 225: Row(2, 2), 231: Row(10, 0.5),
-    233: Row(OFF, OFF), 235: Row(OFF, OFF), 246: Row(UNLIMITED, UNLIMITED), 250: Row(10, 1), 251: Row(10, 1),
-    253: Row(OFF, 20), 254: Row(10, 1), 263: Row(UNLIMITED, UNLIMITED), 265: Row(10, 10), 280: Row(OFF, OFF),
-    281: Row(0.5, 0.5), 283: Row(OFF, OFF), 284: Row(5, 5), 285: Row(5, 5), 296: Row(OFF, 5), 330: Row(10, 1),
-    339: Row(5, 2), 350: Row(10, 1), 361: Row(5, 5), 371: Row(1, 1), 372: Row(OFF, OFF),
-    395: Row(OFF, OFF), 397: Row(OFF, OFF), 435: Row(0.3, 0.3), 12918: Row(1, 1), 12920: Row(1, 0.1),
-}  # fmt: skip
+    25: Row(1, 1),  # GPS_STATUS
+    62: Row(10, 1),  # NAV_CONTROLLER_OUTPUT
+    65: Row(20, 20),  # RC_CHANNELS
+    69: Row(OFF, OFF),  # MANUAL_CONTROL
+    76: Row(UNLIMITED, UNLIMITED),  # COMMAND_LONG
+    106: Row(10, 10),  # OPTICAL_FLOW_RAD
+    112: Row(UNLIMITED, OFF),  # CAMERA_TRIGGER
+    116: Row(OFF, OFF),  # SCALED_IMU2
+    124: Row(UNLIMITED, 1),  # GPS2_RAW
+    129: Row(OFF, OFF),  # SCALED_IMU3
+    137: Row(OFF, OFF),  # SCALED_PRESSURE2
+    143: Row(OFF, OFF),  # SCALED_PRESSURE3
+    149: Row(OFF, OFF),  # LANDING_TARGET
+    192: Row(OFF, OFF),  # MAG_CAL_REPORT
+    225: Row(2, 2),  # EFI_STATUS
+    231: Row(10, 0.5),  # WIND_COV
+    233: Row(OFF, OFF),  # GPS_RTCM_DATA
+    235: Row(OFF, OFF),  # HIGH_LATENCY2
+    246: Row(UNLIMITED, UNLIMITED),  # ADSB_VEHICLE
+    250: Row(10, 1),  # DEBUG_VECT
+    251: Row(10, 1),  # NAMED_VALUE_FLOAT
+    253: Row(OFF, 20),  # STATUSTEXT
+    254: Row(10, 1),  # DEBUG
+    263: Row(UNLIMITED, UNLIMITED),  # CAMERA_IMAGE_CAPTURED
+    265: Row(10, 10),  # MOUNT_ORIENTATION
+    280: Row(OFF, OFF),  # GIMBAL_MANAGER_INFORMATION
+    281: Row(0.5, 0.5),  # GIMBAL_MANAGER_STATUS
+    283: Row(OFF, OFF),  # GIMBAL_DEVICE_INFORMATION
+    284: Row(5, 5),  # GIMBAL_DEVICE_SET_ATTITUDE
+    285: Row(5, 5),  # GIMBAL_DEVICE_ATTITUDE_STATUS
+    296: Row(OFF, 5),  # GLOBAL_POSITION_SENSOR
+    330: Row(10, 1),  # OBSTACLE_DISTANCE
+    339: Row(5, 2),  # RAW_RPM
+    350: Row(10, 1),  # DEBUG_FLOAT_ARRAY
+    361: Row(5, 5),  # FIGURE_EIGHT_EXECUTION_STATUS
+    371: Row(1, 1),  # FUEL_STATUS
+    372: Row(OFF, OFF),  # BATTERY_INFO
+    395: Row(OFF, OFF),  # COMPONENT_INFORMATION
+    397: Row(OFF, OFF),  # COMPONENT_METADATA
+    435: Row(0.3, 0.3),  # AVAILABLE_MODES
+    12918: Row(1, 1),  # OPEN_DRONE_ID_ARM_STATUS
+    12920: Row(1, 0.1),  # HYGROMETER_SENSOR
+}
 """Streams that PX4 has, whose intervals can be set and asked for, and that never have anything to send here."""

@@ -48,13 +48,13 @@ class Boot(NamedTuple):
 class Stream:
     """One message's stream: its default interval, its interval now, how often its source is renewed (us).
 
-    ``told_us``: the interval as MESSAGE_INTERVAL tells it. ``queued_us``: when it is looked at next; None: never.
+    ``reported_us``: the interval as MESSAGE_INTERVAL tells it. ``queued_us``: when it is looked at next; None: never.
     """
 
     default_us: int
-    default_told_us: int
+    default_reported_us: int
     interval_us: int
-    told_us: int
+    reported_us: int
     source_us: int
     since_us: int
     is_sent: bool
@@ -79,17 +79,17 @@ class Streams:
         rows = {BY_NAME[name].id: row for name, row in TABLE.items()}
         for msgid, row in (rows | SILENT).items():
             source = step_us if direct and row.source_us <= ESTIMATOR_US else max(step_us, row.source_us)
-            interval, told = _intervals(profile.rate(row), source)
+            interval, reported = _intervals(profile.rate(row), source)
             since = 0.0 if boot is None else boot.heartbeat if msgid in FIXED else boot.streams
             is_sent = msgid in rows and (only is None or msgid in only)
-            stream = Stream(interval, told, interval, told, source, round(since * 1e6), is_sent)
+            stream = Stream(interval, reported, interval, reported, source, round(since * 1e6), is_sent)
             self._streams[msgid] = stream
             self._schedule(msgid, stream, max(step_us, stream.since_us))
 
     def interval(self, msgid: int) -> int:
         """The interval of a stream, us; STOPPED where there is none or it is off."""
         stream = self._streams.get(msgid)
-        return STOPPED if stream is None else stream.told_us
+        return STOPPED if stream is None else stream.reported_us
 
     def set_interval(self, msgid: int, interval_us: int) -> bool:
         """Change a stream: 0 back to its default, negative stops it. False: there is no such stream to change."""
@@ -97,9 +97,9 @@ class Streams:
         if stream is None or msgid in FIXED:
             return False
         if interval_us == 0:
-            stream.interval_us, stream.told_us = stream.default_us, stream.default_told_us
+            stream.interval_us, stream.reported_us = stream.default_us, stream.default_reported_us
         else:
-            stream.interval_us = stream.told_us = max(STOPPED, interval_us)
+            stream.interval_us = stream.reported_us = max(STOPPED, interval_us)
         self._forget(msgid, stream)
         self._schedule(msgid, stream, max(self._now + 1, stream.since_us))
         return True

@@ -9,13 +9,18 @@ from companion.mavlink.modes import Landed
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.messages.parts import NAN, Values
 
-SENSORS_PRESENT, SENSORS_ENABLED, SENSORS_HEALTHY = 0x0300C02F, 0x0301C02F, 0x0320C83F
-"""MAV_SYS_STATUS_SENSOR bits, as PX4's simulation tells them."""
+SENSORS_PRESENT = 0x0300C02F
+"""Bits of MAV_SYS_STATUS_SENSOR, as PX4's simulation says them: what is there."""
+SENSORS_ENABLED = 0x0301C02F
+"""Bits of the same: what is in use."""
+SENSORS_HEALTHY = 0x0320C83F
+"""Bits of the same: what is well."""
 WITHOUT_POSITION = ~0x4020
 """Without position control and GPS: before the estimator has settled."""
 PREARM_CHECK = 0x10000000
 """MAV_SYS_STATUS_PREARM_CHECK."""
-VOLTAGE_FULL, VOLTAGE_EMPTY = 16200, 14400  # mV, four cells
+VOLTAGE_FULL = 16200  # mV, four cells of BAT1_V_CHARGED
+VOLTAGE_EMPTY = 14400  # mV, four cells of BAT1_V_EMPTY
 ESTIMATOR_STARTING = 164
 """ESTIMATOR_STATUS_FLAGS before the position is known (recorded)."""
 ESTIMATOR_GOOD = 1023

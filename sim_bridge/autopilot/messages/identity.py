@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from companion import mavlink_common as mav
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode, mode_of
+from companion.mavlink_common import (
+    MAV_AUTOPILOT_PX4,
+    MAV_TYPE_QUADROTOR,
+)
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.flight_modes.setpoints import BELOW_ATTITUDE
 from sim_bridge.autopilot.mavlink.files import GENERAL_METADATA, GENERAL_METADATA_URI
 from sim_bridge.autopilot.messages.parts import Values
 
-QUADROTOR, PX4 = 2, 12  # MAV_TYPE, MAV_AUTOPILOT
-ARMED, MANUAL_INPUT, STABILIZED, GUIDED, AUTO, CUSTOM = 0x80, 0x40, 0x10, 0x08, 0x04, 0x01
 CAPABILITIES = 0xE8FF
 """MAV_PROTOCOL_CAPABILITY as PX4's simulation tells them."""
 SET_ACTUATOR_TARGET = 0x0400
@@ -28,19 +31,21 @@ UID = 0x5354_414E_4449_4E31
 
 def heartbeat(a: Autopilot) -> Values:
     """HEARTBEAT."""
-    return (a.commander.mode.custom_mode, QUADROTOR, PX4, _base_mode(a), _system_status(a), 3)
+    return (a.commander.mode.custom_mode, MAV_TYPE_QUADROTOR, MAV_AUTOPILOT_PX4, _base_mode(a), _system_status(a), 3)
 
 
 def _base_mode(a: Autopilot) -> int:
     mode = a.commander.mode
-    bits = CUSTOM | (ARMED if a.commander.armed else 0)
+    bits = mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | (mav.MAV_MODE_FLAG_SAFETY_ARMED if a.commander.armed else 0)
+    by_hand, stabilized = mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED, mav.MAV_MODE_FLAG_STABILIZE_ENABLED
     if mode is Mode.OFFBOARD:
-        return bits | (0 if a.setpoint is None or isinstance(a.setpoint, BELOW_ATTITUDE) else STABILIZED)
+        return bits | (0 if a.setpoint is None or isinstance(a.setpoint, BELOW_ATTITUDE) else stabilized)
     if mode is Mode.ACRO:
-        return bits | MANUAL_INPUT
+        return bits | by_hand
     if mode is Mode.ORBIT:
-        return bits | STABILIZED
-    return bits | STABILIZED | (GUIDED | AUTO if mode.main == 4 else MANUAL_INPUT)
+        return bits | stabilized
+    automatic = mav.MAV_MODE_FLAG_GUIDED_ENABLED | mav.MAV_MODE_FLAG_AUTO_ENABLED
+    return bits | stabilized | (automatic if mode.main == 4 else by_hand)
 
 
 def _system_status(a: Autopilot) -> int:
@@ -94,6 +99,7 @@ class Available(NamedTuple):
 
 
 UNSUPPORTED_MODES = tuple(Available(4, sub, 0, 2, "(Mode not available)") for sub in range(11, 19))
+"""PX4's external modes 1 to 8, which nobody has registered."""
 AVAILABLE = (
     Available(1, 0, 0, 1, "Manual"),
     Available(2, 0, 4, 0, ""),

@@ -6,6 +6,9 @@ import math
 
 from companion.frames import rotation_matrix, to_body
 from companion.mavlink.dialect import message
+from companion.mavlink_common import (
+    MAV_FRAME_LOCAL_NED,
+)
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.messages.parts import (
     NAN,
@@ -25,8 +28,6 @@ POSE_COVARIANCE = (0.04, *(0.0,) * 5, 0.04, *(0.0,) * 4, 0.013, *(0.0,) * 3, 4e-
 """m^2 and rad^2, upper triangle (recorded)."""
 VELOCITY_COVARIANCE = (0.012, *(0.0,) * 5, 0.012, *(0.0,) * 4, 0.0036, *(0.0,) * 9)
 """m^2/s^2, upper triangle (recorded)."""
-LOCAL_NED = 1
-"""MAV_FRAME_LOCAL_NED."""
 AUTOPILOT_ESTIMATOR = 8  # MAV_ESTIMATOR_TYPE_AUTOPILOT
 FIELD_N = (0.21, 0.01, 0.43)
 """gauss, the earth's magnetic field at the default home."""
@@ -64,7 +65,7 @@ def odometry(a: Autopilot) -> Values:
     now = a.estimate
     return (
         now.time_us, *now.p_n, *now.q_nb, *now.v_n, *now.w_b, *POSE_COVARIANCE, *VELOCITY_COVARIANCE,
-        LOCAL_NED, LOCAL_NED, now.resets, AUTOPILOT_ESTIMATOR, 0,
+        MAV_FRAME_LOCAL_NED, MAV_FRAME_LOCAL_NED, now.resets, AUTOPILOT_ESTIMATOR, 0,
     )  # fmt: skip
 
 

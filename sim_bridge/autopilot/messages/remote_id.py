@@ -9,10 +9,14 @@ from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.messages.health import is_flying
 from sim_bridge.autopilot.messages.parts import Values, altitude_of, degrees_e7, place
 
-SERIAL_NUMBER, ROTORCRAFT = 1, 2  # MAV_ODID_ID_TYPE, MAV_ODID_UA_TYPE
+SERIAL_NUMBER = 1  # MAV_ODID_ID_TYPE_SERIAL_NUMBER
+ROTORCRAFT = 2  # MAV_ODID_UA_TYPE_HELICOPTER_OR_MULTIROTOR
 SERIAL = tuple(b"STAND-IN".ljust(20, b"\0"))
-ON_GROUND, AIRBORNE = 1, 2  # MAV_ODID_STATUS
+"""What the stand-in calls itself, 20 bytes."""
+ON_GROUND = 1  # MAV_ODID_STATUS_GROUND
+AIRBORNE = 2  # MAV_ODID_STATUS_AIRBORNE
 ACCURACY = {"horizontal_accuracy": 12, "vertical_accuracy": 5, "barometer_accuracy": 0, "speed_accuracy": 3}
+"""Codes of MAV_ODID_HOR_ACC and its like."""
 TIME_NOT_KNOWN = 65535.0
 """s after the hour: nobody knows."""
 SINCE = 1_546_300_800

@@ -5,10 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from companion.mavlink_common import MAV_CMD_NAV_LAND, MAV_CMD_NAV_TAKEOFF, MAV_FRAME_GLOBAL_RELATIVE_ALT
+from companion.mavlink_common import (
+    MAV_CMD_DO_VTOL_TRANSITION,
+    MAV_CMD_NAV_LAND,
+    MAV_CMD_NAV_TAKEOFF,
+    MAV_CMD_NAV_VTOL_LAND,
+    MAV_CMD_NAV_VTOL_TAKEOFF,
+    MAV_FRAME_GLOBAL_RELATIVE_ALT,
+)
 from sim_bridge.autopilot.missions.items import Item
 
-VTOL = {84, 85, 3000}
+VTOL = {MAV_CMD_NAV_VTOL_TAKEOFF, MAV_CMD_NAV_VTOL_LAND, MAV_CMD_DO_VTOL_TRANSITION}
 """MAV_CMD that only a VTOL flies."""
 
 

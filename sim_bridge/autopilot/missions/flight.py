@@ -25,7 +25,11 @@ from sim_bridge.autopilot.missions.store import Kind, Store
 from sim_bridge.autopilot.parameters import Parameters
 from sim_bridge.sensors import Estimate
 
-NO_MISSION, NOT_STARTED, ACTIVE, PAUSED, COMPLETE = 1, 2, 3, 4, 5  # MISSION_STATE
+NO_MISSION = 1  # MISSION_STATE_NO_MISSION
+NOT_STARTED = 2  # MISSION_STATE_NOT_STARTED
+ACTIVE = 3  # MISSION_STATE_ACTIVE
+PAUSED = 4  # MISSION_STATE_PAUSED
+COMPLETE = 5  # MISSION_STATE_COMPLETE
 EXECUTING = "Executing Mission\t"
 _STAYS = {MAV_CMD_NAV_LOITER_UNLIM}
 _WAITS = {MAV_CMD_NAV_WAYPOINT, MAV_CMD_NAV_LOITER_TIME}

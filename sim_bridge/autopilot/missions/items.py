@@ -12,7 +12,6 @@ from companion.mavlink.dialect import Value, message
 from companion.mavlink_common import (
     MAV_CMD_CONDITION_DELAY,
     MAV_CMD_DO_SET_ROI,
-    MAV_CMD_DO_SET_ROI_LOCATION,
     MAV_CMD_NAV_DELAY,
     MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
     MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
@@ -22,14 +21,22 @@ from companion.mavlink_common import (
     MAV_FRAME_GLOBAL_RELATIVE_ALT,
     MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
     MAV_FRAME_MISSION,
+    MAV_ROI_LOCATION,
+    MAV_ROI_NONE,
+    MAV_ROI_WPINDEX,
+    MAV_ROI_WPNEXT,
     MavMissionResult,
 )
+from sim_bridge.autopilot.missions.item_table import ITEMS, NOT_AN_ITEM
 
 ITEM, ITEM_INT = message("MISSION_ITEM"), message("MISSION_ITEM_INT")
 Four = tuple[float, float, float, float]
 
 NOT_GIVEN = (2**31 - 1, -(2**31))
 """What whole-number coordinates say where there is none: by the specification, and what a cast of NaN gives."""
+
+ROI = (MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI)
+"""Their first parameter is a MAV_ROI, and is kept."""
 
 NUMBERS = 28
 """Bytes at the beginning of an item on the wire: its seven parameters."""
@@ -57,36 +64,7 @@ class Item(NamedTuple):
     @property
     def has_place(self) -> bool:
         """Whether its coordinates are somewhere to fly to."""
-        return self.frame != MAV_FRAME_MISSION and self.command in _PLACES
-
-
-_PLACES = {16, 17, 19, 21, 22, 31, 84, 85}
-"""MAV_CMD of items that say where to fly."""
-_WITH_A_PLACE = {
-    16, 17, 19, 21, 22, 31, 80, 84, 85, 195, 201, 212, 400, 4501, 5000, 5001, 5002, 5003, 5004, 5100,
-}  # fmt: skip
-_WITHOUT_A_PLACE = {
-    20, 80, 93, 112, 177, 178, 179, 187, 189, 196, 197, 200, 201, 202, 203, 204, 205, 206, 211, 212, 214, 260, 400, 530,
-    532, 534, 1000, 1001, 2000, 2001, 2003, 2500, 2501, 3000, 42600,
-}  # fmt: skip
-TAKES: dict[int, int] = {
-    16: 0x7B, 17: 0x7C, 19: 0x7F, 20: 0x00, 21: 0x7B, 22: 0x79, 31: 0x7B, 80: 0x77, 84: 0x78, 85: 0x7C, 93: 0x0F,
-    112: 0x01, 114: 0x01, 176: 0x07, 177: 0x03, 178: 0x07, 179: 0x7F, 189: 0x70, 195: 0x70, 196: 0x01, 197: 0x01,
-    201: 0x07, 206: 0x0F, 211: 0x03, 212: 0x03, 214: 0x07, 224: 0x00, 400: 0x03, 420: 0x0F, 530: 0x03, 532: 0x07,
-    534: 0x07, 611: 0x00, 2000: 0x0F, 2001: 0x01, 2003: 0x0F, 2500: 0x07, 2501: 0x03, 3000: 0x03, 4501: 0x00,
-    5000: 0x70, 5001: 0x31, 5002: 0x31, 5003: 0x31, 5004: 0x31, 5100: 0x70, 42600: 0x0F,
-}  # fmt: skip
-"""Which parameters a command takes, one bit each; another that is given is refused. Commands not here take all."""
-_KEEPS: dict[int, tuple[int, ...]] = {
-    16: (0, 1), 17: (2,), 19: (0, 1, 2, 3), 21: (0, 1), 31: (0, 1, 3), 5001: (0,), 5002: (0,), 5003: (0,), 5004: (0,),
-}  # fmt: skip
-"""Which of the first four parameters of a command with a place are kept; yaw apart."""
-NOT_A_MISSION = {5001, 5002, 5003, 5004, 5100}
-"""MAV_CMD of fences and rally points."""
-_YAWS = {16, 17, 21, 22, 84, 85}
-"""MAV_CMD of items whose fourth parameter is a heading."""
-_FLAGS = {19: (1, 3), 31: (0, 3)}
-"""Parameters that are kept as yes or no."""
+        return self.frame != MAV_FRAME_MISSION and ITEMS.get(self.command, NOT_AN_ITEM).flown_to
 
 
 def read(frame: Frame) -> Item | MavMissionResult:
@@ -94,6 +72,7 @@ def read(frame: Frame) -> Item | MavMissionResult:
     said = frame.format.named(frame.values)
     whole = frame.format is ITEM_INT
     command, kind = said["command"], said["frame"]
+    row = ITEMS.get(command, NOT_AN_ITEM)
     params: Four = (said["param1"], said["param2"], said["param3"], said["param4"])
     x, y, z = said["x"], said["y"], said["z"]
     if kind in (MAV_FRAME_GLOBAL, MAV_FRAME_GLOBAL_RELATIVE_ALT) or (
@@ -102,8 +81,10 @@ def read(frame: Frame) -> Item | MavMissionResult:
         stray = _stray(command, params, (x, y) if whole else (float(x), float(y)), z, whole)
         if stray:
             return MavMissionResult(MavMissionResult.INVALID_PARAM1 + stray - 1)
-        if command not in _WITH_A_PLACE or (command in (80, 201) and int(_finite(params[0])) not in (0, 3)):
-            return MavMissionResult.UNSUPPORTED if command not in _WITH_A_PLACE else MavMissionResult.INVALID_PARAM1
+        if not row.with_place:
+            return MavMissionResult.UNSUPPORTED
+        if command in ROI and int(_finite(params[0])) not in (MAV_ROI_NONE, MAV_ROI_LOCATION):
+            return MavMissionResult.INVALID_PARAM1
         stored = (
             MAV_FRAME_GLOBAL_RELATIVE_ALT
             if kind in (MAV_FRAME_GLOBAL_RELATIVE_ALT, MAV_FRAME_GLOBAL_RELATIVE_ALT_INT)
@@ -117,9 +98,9 @@ def read(frame: Frame) -> Item | MavMissionResult:
     stray = _stray(command, params, (fifth, sixth), z, False)
     if stray:
         return MavMissionResult(MavMissionResult.INVALID_PARAM1 + stray - 1)
-    if command not in _WITHOUT_A_PLACE:
+    if not row.without_place:
         return MavMissionResult.UNSUPPORTED
-    if command in (80, 201) and int(_finite(params[0])) not in (0, 1, 2):
+    if command in ROI and int(_finite(params[0])) not in (MAV_ROI_NONE, MAV_ROI_WPNEXT, MAV_ROI_WPINDEX):
         return MavMissionResult.INVALID_PARAM1
     kept = MAV_CMD_NAV_DELAY if command == MAV_CMD_CONDITION_DELAY else command
     return Item(kept, MAV_FRAME_MISSION, said["autocontinue"], params, _single(x), _single(y), z)
@@ -154,9 +135,7 @@ def checksum(frame: Frame, before: int) -> int:
 
 def _stray(command: int, params: Four, place: tuple[Value, Value], z: float, whole: bool) -> int:
     """The first parameter, counted from 1, that is given and not taken; 0: none."""
-    takes = TAKES.get(command)
-    if takes is None:
-        return 0
+    takes = ITEMS.get(command, NOT_AN_ITEM).takes
     given = [not math.isnan(value) and value != 0.0 for value in params]
     given += [value not in NOT_GIVEN if whole else not math.isnan(value) and value != 0.0 for value in place]
     given.append(not math.isnan(z) and z != 0.0)
@@ -169,15 +148,15 @@ def _stray(command: int, params: Four, place: tuple[Value, Value], z: float, who
 def _kept(command: int, params: Four) -> Four:
     """The first four parameters of a command with a place, as PX4 gives them back."""
     kept = [0.0, 0.0, 0.0, 0.0]
-    for i in _KEEPS.get(command, ()):
-        flag = i in _FLAGS.get(command, ())
-        kept[i] = float(params[i] > 0.0) if flag else params[i]
+    row = ITEMS.get(command, NOT_AN_ITEM)
+    for i in row.kept:
+        kept[i] = float(params[i] > 0.0) if i in row.flags else params[i]
     if command in (MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION):
         kept[0] = float(int(_finite(params[0]) + 0.5) & 0xFFFF)
-    if command in _YAWS:
+    if row.has_yaw:
         kept[3] = params[3] % 360.0 if math.isfinite(params[3]) else math.nan
-    if command in (MAV_CMD_NAV_ROI, MAV_CMD_DO_SET_ROI, MAV_CMD_DO_SET_ROI_LOCATION):
-        kept[0] = params[0] if command != MAV_CMD_DO_SET_ROI_LOCATION else 0.0
+    if command in ROI:
+        kept[0] = params[0]
     return (kept[0], kept[1], kept[2], kept[3])
 
 

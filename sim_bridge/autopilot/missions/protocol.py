@@ -14,7 +14,8 @@ from companion.mavlink_common import (
     MavSeverity,
 )
 from sim_bridge.autopilot.commander.commander import Text
-from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, NOT_A_MISSION, Item, checksum, of_a_fence, read
+from sim_bridge.autopilot.missions.item_table import FENCE_AND_RALLY
+from sim_bridge.autopilot.missions.items import ITEM, ITEM_INT, Item, checksum, of_a_fence, read
 from sim_bridge.autopilot.missions.mission_messages import (
     ACK,
     COUNT,
@@ -27,8 +28,10 @@ from sim_bridge.autopilot.missions.mission_messages import (
 )
 from sim_bridge.autopilot.missions.store import ALL, MOST, Kind, Store
 
-GIVE_UP_US, AGAIN_US = 5_000_000, 250_000
-"""us of silence after which a transfer is given up, and after which the partner is asked again."""
+GIVE_UP_US = 5_000_000
+"""us of silence after which a transfer is given up."""
+AGAIN_US = 250_000
+"""us of silence after which the partner is asked again."""
 TELL_US = 1_000_000
 """The period of MISSION_CURRENT."""
 REACHED_AGAIN = 10
@@ -52,9 +55,7 @@ class State(enum.Enum):
 class MissionLink:
     """One link's side, of the vehicle with system id ``system``. ``send``: on this link; ``say``: to every operator."""
 
-    def __init__(
-        self, store: Store, progress: Progress, system: int, send: Send, say: Callable[[Text], None]
-    ) -> None:  # fmt: skip
+    def __init__(self, store: Store, progress: Progress, system: int, send: Send, say: Callable[[Text], None]) -> None:
         self._store, self._progress, self._system = store, progress, system
         self._messages, self._say = MissionMessages(store, progress, send), say
         self._state = State.IDLE
@@ -83,9 +84,9 @@ class MissionLink:
     def poll(self, now_us: int) -> None:
         """Tell how the mission goes and look after transfers. To be called every 10 ms."""
         self._now = now_us
-        told = (self._store.current, self._progress.finished)
-        if told != self._told:
-            self._told = told
+        current = (self._store.current, self._progress.finished)
+        if current != self._told:
+            self._told = current
             self._messages.current()
         if self._progress.reached != self._reached:
             self._reached, self._reached_again = self._progress.reached, REACHED_AGAIN
@@ -236,7 +237,7 @@ class MissionLink:
             MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
             MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
         )
-        misplaced = self._kind == Kind.MISSION and item.command in NOT_A_MISSION
+        misplaced = self._kind == Kind.MISSION and item.command in FENCE_AND_RALLY
         if misplaced or (self._kind == Kind.FENCE and polygon and item.params[0] < TOO_FEW_CORNERS):
             self._acknowledge(self._partner, MavMissionResult.ERROR)
             self._finish()

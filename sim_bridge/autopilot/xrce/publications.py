@@ -11,8 +11,9 @@ from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.xrce import samples
 from sim_bridge.autopilot.xrce.topic_table import Release, Row, TopicTable
 
-GYRO_US, ESTIMATE_US = samples.GYRO_US, 8_000
-"""us between two samples of the gyro, and between two of the estimator (PX4's simulation)."""
+GYRO_US = samples.GYRO_US
+ESTIMATE_US = 8_000
+"""us between two samples of the estimator (PX4's simulation)."""
 LOOK_US = 10_000
 """us between two looks of the commander at what has changed."""
 AGAIN_US = 500_000

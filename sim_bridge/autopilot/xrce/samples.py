@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from companion.frames import rotation_matrix, to_body
 from companion.mavlink.modes import Mode
+from companion.mavlink_common import MAV_TYPE_QUADROTOR
 from companion.xrce.topics import LAYOUTS, Layout
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.commander.commander import MANUAL
@@ -19,8 +20,9 @@ I64 = 1 << 64
 """What a negative number of 64 bits is short of as an unsigned one."""
 FRAME_NED = 1
 """VehicleOdometry's POSE_FRAME_NED and VELOCITY_FRAME_NED."""
-QUADROTOR = 2  # MAV_TYPE
-DISARMED, ARMED = 1, 2  # VehicleStatus.arming_state
+QUADROTOR = MAV_TYPE_QUADROTOR
+DISARMED = 1  # VehicleStatus.ARMING_STATE_DISARMED
+ARMED = 2  # VehicleStatus.ARMING_STATE_ARMED
 ROTARY_WING = 1  # VehicleStatus.vehicle_type
 ACCURACY = 0.1
 """m and m/s: a standard deviation of the estimate that is told (plausible; nothing here estimates it)."""
@@ -162,7 +164,7 @@ def land_detected(a: Autopilot, stamp: int) -> bytes:
     return LAND_DETECTED.encode(timestamp=stamp, ground_contact=landed, maybe_landed=landed, landed=landed)
 
 
-CONTROL_MODE = LAYOUTS["vehicle_control_mode", 0]
+CONTROL_MODE = LAYOUTS["vehicle_control_mode", 0]  # version 0
 LOWEST = {
     Mode.MANUAL: Level.ATTITUDE, Mode.STABILIZED: Level.ATTITUDE, Mode.ACRO: Level.RATES,
     Mode.TERMINATION: Level.MOTORS, Mode.ALTITUDE: Level.VELOCITY, Mode.ALTITUDE_CRUISE: Level.VELOCITY,
