@@ -27,7 +27,8 @@ from sim_bridge.autopilot.parameters import Parameters
 READY_AFTER = 4.4
 """s from boot until the estimator has settled and arming is possible."""
 LOSS_NOTICED_AFTER = 0.10
-"""s beyond COM_OF_LOSS_T until the failsafe acts: PX4 looks ten times a second (seen: 0.05 to 0.17)."""
+"""s beyond COM_OF_LOSS_T until the failsafe acts: PX4 looks ten times a second (seen: 0.02 to 0.17; over XRCE mostly
+before this)."""
 RETURN_NOTICED_AFTER = 0.07
 """s from the first new setpoint until offboard is resumed (seen: 0.02 to 0.13)."""
 FORCE = 21196.0
