@@ -15,6 +15,9 @@ STATE_GONE = 0.5
 PACE_MIN, PACE_MAX = 0.3, 5.0
 """s of the vehicle's clock a second of ours: its stamps are seconds, as fast as a simulator may be told to run. Its
 states arrive up to 0.1 s late, and the pace is first taken over 0.2 s."""
+PACE_KEPT = 0.94
+"""s a second of a clock that is flown with; one that falls behind by more makes every state late (mavlink/clock.py,
+DRIFT_MAX). Only a simulation's does."""
 RATE_WANTED = 20.0
 """Hz of states, below which no path is flown."""
 
@@ -46,8 +49,11 @@ def _stamps(s: Standing) -> str | None:
     pace = s.clock_pace
     if pace is None:
         return "the pace of the vehicle's clock is not known yet (the stamps of ODOMETRY)"
-    if PACE_MIN < pace < PACE_MAX:
+    if PACE_KEPT <= pace < PACE_MAX:
         return None
+    if PACE_MIN < pace < PACE_KEPT:
+        slow = f"the vehicle's clock runs at {pace:.2f} of real time, {PACE_KEPT:g} is the least"
+        return f"{slow}; the simulation is slower than real time: give it more of the computer"
     stands = "do not advance" if pace <= 0.0 else f"advance by {pace:.4g} s a second"
     return f"the stamps of ODOMETRY {stands}; time_usec must be microseconds of the vehicle's clock"
 
