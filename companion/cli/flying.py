@@ -135,6 +135,11 @@ def fly(flight: Flight, port: Port, xrce: Port | None = None) -> int:
         stack.enter_context(contextlib.closing(port))
         if xrce is not None:
             stack.enter_context(contextlib.closing(xrce))
+            if xrce.exposed:
+                say(
+                    f"warning: {xrce.describe()} can be reached over the network, and XRCE knows no signing: whoever "
+                    "sends there can pose as the vehicle's client; let nobody else onto that network"
+                )
         signals = stack.enter_context(ending_signals(say))
         signing = None
         if flight.key is not None:
@@ -179,8 +184,6 @@ def _flown(
         else lambda mission, ground: objection(mission, sortie.vehicle, ground),
     )
     conductor = Conductor(orders, recorder, clock(), stream=port.stream)
-    if conductor.xrce is not None:
-        conductor.xrce.tap = recorder.datagram
     if signing is not None:
         conductor.link.sign(signing)
         conductor.decoder.signing = signing

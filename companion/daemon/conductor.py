@@ -52,7 +52,7 @@ class Conductor:
 
     def __init__(self, orders: Orders, recorder: TickRecorder | None, now: float, *, stream: bool = False) -> None:
         self.orders = orders
-        self.xrce = commands_of(orders) if orders.over_xrce else None
+        self.xrce = commands_of(orders, recorder) if orders.over_xrce else None
         self.link = wire.Link(streams=streams(orders.vehicle.state_rate))
         self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from companion.estimation.learned import Learned
 from companion.flight.conduct import Conduct
 from companion.mission import Mission, Origin
+from companion.record.ticks import TickRecorder
 from companion.vehicle import OutputLevel, Vehicle
 from companion.xrce.commands import Commands
 from companion.xrce.flight_mode import FlightMode
@@ -39,6 +40,7 @@ class Orders:
     objection: Callable[[Mission, float], str | None] | None = None
 
 
-def commands_of(orders: Orders) -> Commands:
-    """What the setpoints of a flight over XRCE go through."""
-    return Commands(orders.level, flight_mode=None if orders.flight_mode is None else FlightMode(orders.flight_mode))
+def commands_of(orders: Orders, recorder: TickRecorder | None) -> Commands:
+    """What the setpoints of a flight over XRCE go through; the traffic is told to ``recorder``."""
+    mode = None if orders.flight_mode is None else FlightMode(orders.flight_mode)
+    return Commands(orders.level, tap=None if recorder is None else recorder.datagram, flight_mode=mode)

@@ -19,6 +19,9 @@ class TickRecorder(Protocol):
     def frame(self, now: float, raw: bytes) -> None:
         """One frame, either direction."""
 
+    def datagram(self, now: float, to_px4: bool, data: bytes) -> None:
+        """One datagram of PX4's XRCE client, or one to it."""
+
     def begin(self, plan: Plan, now: float) -> None:
         """The plan is ready and the pilot begins."""
 
@@ -40,6 +43,9 @@ class Ticks:
 
     def frame(self, now: float, raw: bytes) -> None:
         """Nothing is kept."""
+
+    def datagram(self, now: float, to_px4: bool, data: bytes) -> None:
+        """See TickRecorder: not kept."""
 
     def begin(self, plan: Plan, now: float) -> None:
         """Nothing is kept."""
