@@ -40,7 +40,7 @@ from companion.frames import Vec3, rotation_matrix, upright_error
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.law.speed_scale import UNITY, SpeedScale
-from companion.steering.limits import THRUST_NEAR_SATURATION
+from companion.steering.limits import THRUST_NEAR_SATURATION, TILT_RATE_MAX
 from companion.steering.shared import (
     COMMANDS_KEPT,
     ask,
@@ -136,7 +136,7 @@ class MotorSteering:
         governor, aim = govern_aim(memory.governor, self.course, aim, capability, dt)
         extension = memory.extension.after(timing.hold)
         command = ask(self.law, self.hold, _flying(predicted, extension, forces, aim), aim)
-        torque = self._torque(memory, command, timing)
+        torque = self._torque(memory, command, predicted.w_b, timing)
         allocated = self.allocation.allocate((extension.zeta / forces.thrust_scale, *torque))
         return self._steered(
             memory._replace(governor=governor), aim, command, extension, allocated, capability, timing, dt
@@ -195,7 +195,21 @@ class MotorSteering:
         most = THRUST_USED_MAX * forces.thrust_scale * self.allocation.thrust_max / self.vehicle.mass
         return capability_of(forces, most, self.tan_tilt_max)
 
-    def _torque(self, memory: MotorMemory, command: Command, timing: Timing) -> Vec3:
+    def _within_rates(self, torque: Vec3, w_b: Vec3) -> Vec3:
+        """``torque`` (N m) as if the body rates that the law heads for, w + w'/k, were bounded as at rates: far beside
+        the path nothing else bounds how fast it turns the body."""
+        limits, k = self.vehicle.limits, self.rate_gain
+        if limits is None:
+            return torque
+        most = (min(limits.body_rates[0], TILT_RATE_MAX), min(limits.body_rates[1], TILT_RATE_MAX))
+        wanted = [w_b[i] + torque[i] / self.vehicle.inertia[i] / k for i in range(2)]
+        x, y = (
+            torque[i] + self.vehicle.inertia[i] * k * (min(max(wanted[i], -most[i]), most[i]) - wanted[i])
+            for i in range(2)
+        )
+        return x, y, torque[2]
+
+    def _torque(self, memory: MotorMemory, command: Command, w_b: Vec3, timing: Timing) -> Vec3:
         """Trim, relax: N m to command, without what turns the body anyway.
 
         The law is asked at a horizon at which this very command has already turned the body for a while; the predictor
@@ -204,7 +218,7 @@ class MotorSteering:
         what is left of an error after a step is none in the directions of that gain. Without it the loop over the last
         command has the gain -k b: at poles of -6, -6, -6, -14 and a motor lag of 50 ms it swings at every step.
         """
-        (u2, u3, u4), (jx, jy, jz) = command.turn, self.vehicle.inertia
+        (u2, u3, u4), (jx, jy, jz) = self._within_rates(command.turn, w_b), self.vehicle.inertia
         tp, tq, tr = memory.estimate.body_state.trim
         _, l2, l3, l4 = memory.commands[-1].wrench
         acting = timing.hold + timing.lag
