@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -24,6 +25,8 @@ from companion.xrce.topics import LAYOUTS
 NAME = "link.xrce"
 DATAGRAMS_WAITING = 30_000
 """Datagrams that wait for the disk at most, about half a minute (engineering choice)."""
+CLOCK_OVER = 1.0
+"""s over which PX4's clock is compared with ours."""
 STAMP_MAX = 10**13
 """us since boot, a third of a year. PX4 adds its clock's offset to every stamp, also to one that is 0."""
 _HEAD = struct.Struct(">QBH")
@@ -77,25 +80,30 @@ def examined(data: bytes, table: Table) -> XrceEvidence:
     """The commands in a file's bytes beside the setpoints of the flight's ticks.
 
     PX4's clock is known from what it publishes: a sample's stamp is older than its arrival by the way here at least,
-    and the least seen counts. So the latency lacks what the quickest datagram took, some tenths of a millisecond.
+    and the least seen within CLOCK_OVER counts, since a simulated clock may fall behind ours. So the latency lacks what
+    the quickest datagram took, some tenths of a millisecond.
     """
     setpoints = _setpoints(table)
-    agent, best = Agent(), math.inf
-    sent: list[tuple[float, int, bool]] = []  # when (s), the state's stamp (us), whether it is the tick's
+    agent = Agent()
+    clock: deque[tuple[float, float]] = deque()  # when (s), and by how much ours was ahead of PX4's
+    sent: list[tuple[float, int, bool]] = []  # s from stamp to command, the stamp (us), whether it is the tick's
     for at, to_px4, datagram in records(data):
         if not to_px4:
             agent.receive(datagram, at)
-            best = min([best, *(at - stamp * 1e-6 for stamp in _published(datagram))])
+            clock.extend((at, at - stamp * 1e-6) for stamp in _published(datagram))
             continue
+        while clock and at - clock[0][0] > CLOCK_OVER:
+            clock.popleft()
+        best = min((ahead for _, ahead in clock), default=math.nan)
         names = {reader.object: name for name, reader in agent.reading.items()}
         for name, sample in _commands(datagram, names):
             field, count = SENT[name]
             values = LAYOUTS[name, 0].decode(sample)
             if values is not None:
                 stamp, told = values["timestamp_sample"], np.float32(values[field][:count])
-                sent.append((at, stamp, told.tobytes() in setpoints.get(stamp, ())))
+                sent.append((at - stamp * 1e-6 - best, stamp, told.tobytes() in setpoints.get(stamp, ())))
     wrong = next((f"the command for the state of {stamp * 1e-6:.3f} s" for _, stamp, same in sent if not same), None)
-    latency = tuple(at - stamp * 1e-6 - best for at, stamp, _ in sent)
+    latency = tuple(took for took, _, _ in sent if math.isfinite(took))
     return XrceEvidence(len(sent), wrong, latency)
 
 
