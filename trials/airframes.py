@@ -3,12 +3,13 @@
 Each draws, from its seed: mass 0.6 to 3.5 kg, thrust to weight 1.7 to 2.8, inertia +-40 % of what a frame of its mass has,
 torque over thrust 0.01 to 0.03 m (its file knows it, and nothing at the level of rates asks), motor lag 15 to 60 ms, drag 0.1 to 1.2 1/s, a thrust curve of 0 or 0.3 that PX4 does not
 know of, rate gains 0.9 to 1.6 of the usual ones by axis, wind to 4 m/s an axis. Its file: mass +-5 %, inertia +-30 %, drag
-0.2, hover thrust auto. Nothing of it was learned before.
+0.2, hover thrust auto, yaw rate as PX4 has it. Nothing of it was learned before.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
 import random
 from typing import NamedTuple
 
@@ -17,6 +18,9 @@ from companion.profiles.yaw import TangentYaw
 from companion.vehicle import Vehicle
 from companion.world import Deviations, World
 from trials.measured import Measured, course, machine, measured, world
+
+YAW_RATE_MAX = math.radians(200.0)
+"""rad/s. PX4's default MC_YAWRATE_MAX: the bends of the figure-eight ask for 130 deg/s of heading rate at 3 m/s."""
 
 
 class Airframe(NamedTuple):
@@ -55,8 +59,10 @@ def drawn(seed: int) -> Airframe:
     )  # fmt: skip
     around, about = rng.uniform(0.7, 1.3), rng.uniform(0.7, 1.3)
     rotors = tuple(dataclasses.replace(r, thrust_max=thrust, torque_per_thrust=torque) for r in usual.rotors)
+    assert usual.limits is not None
+    limits = dataclasses.replace(usual.limits, body_rates=(*usual.limits.body_rates[:2], YAW_RATE_MAX))
     told = dataclasses.replace(
-        usual, mass=mass * rng.uniform(0.95, 1.05), inertia=(jx * around, jy * around, min(jz * about, 1.9 * jx * around)),
+        usual, limits=limits, mass=mass * rng.uniform(0.95, 1.05), inertia=(jx * around, jy * around, min(jz * about, 1.9 * jx * around)),
         rotors=rotors, drag=0.2, hover_thrust=None,
     )  # fmt: skip
     where = world("sih_noisy", wind_n=(rng.uniform(-4.0, 4.0), rng.uniform(-4.0, 4.0), 0.0), truth=truth)

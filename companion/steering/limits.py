@@ -16,9 +16,6 @@ from companion.vehicle import Limits
 
 TILT_RATE_MAX = 4.0
 """rad/s of roll and pitch rate. PX4's default MC_ROLLRATE_MAX is 3.8."""
-YAW_RATE_LEAD = math.radians(115.0)
-"""rad/s by which the yaw rate that is commanded may exceed the largest that is meant: beyond the rate it is torque
-only, which yaw_authority bounds. With the 85 of a vehicle file it is PX4's default MC_YAWRATE_MAX of 200 deg/s."""
 THRUST_MIN = 0.05
 """Normalised, the least that is sent. Engineering choice: motors that never stop."""
 THRUST_MAX = 0.97
@@ -62,7 +59,6 @@ def limit_rates(turn: Vec3, gains: tuple[float, float], limits: Limits | None) -
         return LimitedRates((p, q, r), (p * g, q * k, r), False)
     p_most, q_most, r_most = limits.body_rates
     p_most, q_most = min(p_most, TILT_RATE_MAX), min(q_most, TILT_RATE_MAX)
-    r_most += YAW_RATE_LEAD
     p_sent, q_sent, r_sent = (
         min(max(p, -p_most), p_most), min(max(q, -q_most), q_most), min(max(r, -r_most), r_most)
     )  # fmt: skip

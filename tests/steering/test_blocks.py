@@ -18,7 +18,6 @@ from companion.steering.limits import (
     THRUST_MAX,
     THRUST_MIN,
     TILT_RATE_MAX,
-    YAW_RATE_LEAD,
     ThrustConversion,
     levelling_rates,
     limit_rates,
@@ -88,7 +87,7 @@ class TestLimitRates:
         for _ in range(200):
             turn = (rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9))
             limited = limit_rates(turn, (1.0, 1.0), LIMITS)
-            most = (3.0, TILT_RATE_MAX, 1.0 + YAW_RATE_LEAD)  # beyond the largest yaw rate it is torque only
+            most = (3.0, TILT_RATE_MAX, 1.0)
             assert all(abs(sent) <= m for sent, m in zip(limited.sent, most, strict=True))
             assert all(sent * asked >= 0.0 for sent, asked in zip(limited.sent, turn, strict=True))
             assert limited.saturated is (abs(turn[0]) > most[0] or abs(turn[1]) > most[1])

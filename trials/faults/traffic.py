@@ -11,7 +11,6 @@ from companion import mavlink_common as mav
 from companion.mavlink.codec import Decoder, Frame
 from companion.mavlink.dialect import message
 from companion.mavlink.modes import Mode, mode_of
-from companion.steering.limits import YAW_RATE_LEAD
 from companion.vehicle import Vehicle
 
 HEARTBEAT, CURRENT_MODE, ODOMETRY = message("HEARTBEAT"), message("CURRENT_MODE"), message("ODOMETRY")
@@ -123,9 +122,7 @@ class Traffic:
         else:
             stamp, q, rates, thrust = frame.values[0], frame.values[1:5], frame.values[5:8], frame.values[8]
             limits = self.vehicle.limits
-            most: Sequence[float] = (math.inf,) * 3
-            if limits is not None:
-                most = (*limits.body_rates[:2], limits.body_rates[2] + YAW_RATE_LEAD)
+            most: Sequence[float] = (math.inf,) * 3 if limits is None else limits.body_rates
             fits = (
                 all(abs(rate) <= limit + ROUNDING for rate, limit in zip(rates, most, strict=True))
                 and -ROUNDING <= thrust <= 1.0 + ROUNDING
