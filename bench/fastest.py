@@ -26,7 +26,6 @@ from companion.config.syntax.document import parse
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.demand import Demand
 from companion.feasibility.fastest import KNOT_TIME, Fastest, speeds
-from companion.feasibility.headroom import Headroom
 from companion.feasibility.limits import quantities
 from companion.feasibility.report import check
 from companion.law.gains import Level
@@ -71,14 +70,14 @@ def optimum(mission: Mission, vehicle: Vehicle) -> float:
     """s of the fastest lap."""
     assert isinstance(mission.speed, AutoSpeed)
     search = Fastest(mission, mission.speed, vehicle, knot_time=0.25 * KNOT_TIME)
-    room, at, matrices, ds = search._headroom, search._at, search._matrices, search._ds
+    headroom, at, matrices, ds = search.headroom, search.at, search.matrices, search.ds
     c = search.improved(search.first())
     # a barrier stays off the limits: the rest of the way is for linear programmes, each feasible to a thousandth
     trust, best = 0.02, search.time(c)
     for _ in range(POLISHINGS):
         y = np.stack([m @ c for m in matrices])
-        used = room.used(at, speeds(y))
-        slopes = sloped(room, at, y, used, search._steady)
+        used = headroom.used(at, speeds(y))
+        slopes = search.slopes(y, used)
         rows, rhs = [], []
         for j in range(len(used)):
             near = np.flatnonzero(used[j] > 0.7)
@@ -92,24 +91,13 @@ def optimum(mission: Mission, vehicle: Vehicle) -> float:
         within = np.stack([-trust * c, trust * c], axis=1)
         done = linprog(cost, vstack(rows), np.concatenate(rhs), bounds=within, method="highs-ipm")
         step = done.x if done.status == 0 else np.zeros_like(c)
-        while float(room.used(at, speeds([m @ (c + step) for m in matrices])).max()) > 1.001:
+        while float(headroom.used(at, speeds([m @ (c + step) for m in matrices])).max()) > 1.001:
             step = 0.5 * step
         if search.time(c + step) < best * (1.0 - 1e-5):
             c, best = c + step, search.time(c + step)
         else:
             trust *= 0.4
     return best
-
-
-def sloped(room: Headroom, at: object, y: Array, used: Array, steady: Array) -> Array:
-    """Derivatives of the shares over the squared speed and its three derivatives: (4, limits, places)."""
-    slopes = []
-    for k in range(4):
-        h = 1e-6 * y[0] / steady**k
-        nudged = y.copy()
-        nudged[k] += h
-        slopes.append((room.used(at, speeds(nudged)) - used) / h)  # type: ignore[arg-type]
-    return np.stack(slopes)
 
 
 def share_used(did: Flown, vehicle: Vehicle) -> float:

@@ -31,7 +31,7 @@ def main() -> None:
         raise SystemExit(bool(result.broken))
     given = [float(argument) for argument in sys.argv[1:]]
     seconds, first, jobs = (*given, *(600.0, 0.0, float(os.cpu_count() or 1))[len(given) :])
-    begun = told = time.monotonic()
+    begun = said_at = time.monotonic()
     count = mutated = 0
     flown = 0.0
     bad: list[Result] = []
@@ -40,9 +40,11 @@ def main() -> None:
         if result.broken:
             bad.append(result)
             show(result)
-        if time.monotonic() - told > PROGRESS:
-            told = time.monotonic()
-            print(f"{told - begun:5.0f} s: {count} flights, {flown:.0f} s flown, {len(bad)} broke a rule", flush=True)
+        if time.monotonic() - said_at > PROGRESS:
+            said_at = time.monotonic()
+            print(
+                f"{said_at - begun:5.0f} s: {count} flights, {flown:.0f} s flown, {len(bad)} broke a rule", flush=True
+            )
     seeds = f"seeds {int(first)} to {int(first) + count - 1}"
     print(f"{seeds}: {flown:.0f} s flown, {mutated} messages mutated, {len(bad)} broke a rule")
     raise SystemExit(bool(bad))

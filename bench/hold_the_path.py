@@ -179,28 +179,28 @@ def main() -> None:
     parser.add_argument("tables", nargs="*", help="sih outdoor wrong held ablation rotorpy; all when none is named")
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--jobs", type=int, default=multiprocessing.cpu_count())
-    told = parser.parse_args()
+    arguments = parser.parse_args()
     makers = {
         "sih": sih,
-        "outdoor": lambda: outdoor(told.seeds),
+        "outdoor": lambda: outdoor(arguments.seeds),
         "wrong": wrong,
         "held": held,
         "ablation": ablation,
         "rotorpy": rotorpy,
     }
-    unknown = set(told.tables) - set(makers)
+    unknown = set(arguments.tables) - set(makers)
     if unknown:
         parser.error(f"no such table: {', '.join(sorted(unknown))}; there are {', '.join(makers)}")
-    tables = [makers[name]() for name in (told.tables or makers)]
+    tables = [makers[name]() for name in (arguments.tables or makers)]
     sorties = list(dict.fromkeys(sortie for table in tables for sortie in table.sorties))
-    with multiprocessing.Pool(told.jobs) as pool:
+    with multiprocessing.Pool(arguments.jobs) as pool:
         results = {}
         for done, (sortie, seen) in enumerate(zip(sorties, pool.imap(flown, sorties), strict=True), 1):
             results[sortie] = seen
             print(f"{done:4} of {len(sorties)}  {sortie.who}, {sortie.place}, {sortie.course.name}: {seen.cell} cm")
     text = "\n".join(table.text(results) for table in tables)
     print(text)
-    if not told.tables:
+    if not arguments.tables:
         from trials.rivals.drawing import draw
 
         draw(results, DOCS / "rivals.svg")

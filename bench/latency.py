@@ -60,7 +60,7 @@ class Pair(NamedTuple):
     its payload, filled up with zeros."""
 
     state: int
-    told: Callable[[bytes], int]
+    key_of: Callable[[bytes], int]
     setpoint: int
     answered: Callable[[bytes], int]
 
@@ -162,7 +162,7 @@ class Meter:
         msgid = datagram[7] | datagram[8] << 8 | datagram[9] << 16
         pair = self.client.pair
         if msgid == pair.state:
-            self.sent[pair.told(_payload(datagram))] = time.clock_gettime_ns(time.CLOCK_REALTIME)
+            self.sent[pair.key_of(_payload(datagram))] = time.clock_gettime_ns(time.CLOCK_REALTIME)
         self.messages += 1
         with contextlib.suppress(OSError):
             self._socket.sendto(datagram, self._peer)

@@ -21,23 +21,23 @@ def main() -> None:
     paths, lost = [], 0
     print("seed  path          mass   inertia  lag ms  delay ms | true path cm (max)  speed %  yaw deg")
     for seed in range(first, first + count):
-        chance, result = drawn(seed), flown(seed)
-        truth = chance.truth
+        case, result = drawn(seed), flown(seed)
+        truth = case.truth
         assert truth.mass is not None
         assert truth.inertia is not None
         assert truth.motor_lag is not None
-        told = (
-            f"{seed:4}  {chance.mission:9} {chance.speed:.0f}  {truth.mass / 2.0:5.2f}  {truth.inertia[2] / 0.04:6.2f}"
-            f"  {truth.motor_lag * 1e3:6.0f}  {chance.delay * 1e3:7.0f}"
+        words = (
+            f"{seed:4}  {case.mission:9} {case.speed:.0f}  {truth.mass / 2.0:5.2f}  {truth.inertia[2] / 0.04:6.2f}"
+            f"  {truth.motor_lag * 1e3:6.0f}  {case.delay * 1e3:7.0f}"
         )
         if result.reason is not None or result.true is None:
             lost += 1
-            print(f"{told} | LOST: {result.reason}", flush=True)
+            print(f"{words} | LOST: {result.reason}", flush=True)
             continue
         true = result.true
         paths.append(true.path * 100.0)
         print(
-            f"{told} | {true.path * 100:8.2f} ({true.path_max * 100:5.1f})  {true.speed / chance.speed * 100:9.1f}"
+            f"{words} | {true.path * 100:8.2f} ({true.path_max * 100:5.1f})  {true.speed / case.speed * 100:9.1f}"
             f"  {math.degrees(true.yaw):7.2f}",
             flush=True,
         )

@@ -59,13 +59,13 @@ class Page:
         number = next(self._count)
         await self._socket.send_json({"id": number, "method": method, "params": parameters})
         while True:
-            told = await self._socket.receive_json()
-            if told.get("id") == number:
-                return dict(told.get("result", {}))
+            answer = await self._socket.receive_json()
+            if answer.get("id") == number:
+                return dict(answer.get("result", {}))
 
     async def looks(self) -> Any:
-        told = await self.call("Runtime.evaluate", expression=LOOK, returnByValue=True)
-        return told["result"].get("value")
+        answer = await self.call("Runtime.evaluate", expression=LOOK, returnByValue=True)
+        return answer["result"].get("value")
 
     async def shoot(self, file: Path, width: int, height: int, mobile: bool) -> None:
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile}

@@ -11,7 +11,7 @@ The natural way of the data, one tick:
                             allocation: M^-1, limits, what was lost ─► Setpoint
      bytes ◄─ mavlink.codec ◄─ mavlink.setpoints ◄──────┘
 
-    pilot.step(plan, memory, seen, now) -> (memory, outcome)          pure, and replayed bit for bit
+    pilot.step(plan, memory, observation, now) -> (memory, outcome)   pure, and replayed bit for bit
 
 From an ODOMETRY to a SET_ATTITUDE_TARGET, file by file:
 

@@ -24,7 +24,7 @@ class Home(NamedTuple):
     altitude: float | None
 
 
-class HomeTold(NamedTuple):
+class GivenHome(NamedTuple):
     """What is told of home beside the mission's file, or in its stead: by the user, by a simulated world. None: as the
     file says. Degrees, m above mean sea level."""
 
@@ -39,7 +39,7 @@ class HomeTold(NamedTuple):
         return planned if planned is None or self.altitude is None else planned._replace(altitude=self.altitude)
 
 
-NOTHING_TOLD = HomeTold()
+NO_HOME_GIVEN = GivenHome()
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from companion.calculus.scalar import Scalar
 from companion.fence import Fence
 from companion.frames import Heading, Vec3
-from companion.geodesy import NOTHING_TOLD, Home, HomeTold
+from companion.geodesy import NO_HOME_GIVEN, GivenHome, Home
 from companion.law.gains import Gains
 from companion.law.implicit import Position, Specification
 from companion.paths.arc import ArcTable
@@ -86,7 +86,7 @@ class Mission:
     not say. ``heading``: the kind that ``yaw`` gives. ``look_at``: the point of ``yaw: look_at`` in the mission's
     coordinates. ``repeat``: what follows the end of an open path; None: it ends there. ``fence``: where the vehicle may
     be, in the mission's coordinates. ``notes``: what of the file is not flown, in sentences for the pilot. ``home``:
-    where its file, or who reads it, says that home is. ``home_told``: what of that was told beside the file.
+    where its file, or who reads it, says that home is. ``given_home``: what of that was told beside the file.
     ``mixed_heights``: heights above home and above the sea meet in it, so that its shape hangs on home's altitude.
     ``actions``: of the payload, by arc length."""
 
@@ -105,7 +105,7 @@ class Mission:
     fence: Fence | None = None
     notes: tuple[str, ...] = ()
     home: Home | None = None
-    home_told: HomeTold = NOTHING_TOLD
+    given_home: GivenHome = NO_HOME_GIVEN
     mixed_heights: bool = False
     actions: tuple[PathAction, ...] = ()
 

@@ -25,11 +25,11 @@ from companion.steering.yaw import thrust_per_rate
 from companion.vehicle import OutputLevel, Tuning, Vehicle
 
 HOVER_THRUST = 0.5
-"""Normalised, where neither the vehicle nor its file says: PX4's own first guess."""
+"""Normalised, where neither the vehicle nor its file says. PX4's own first guess (MPC_THR_HOVER)."""
 HOLD = 0.004
-"""s, half the time a command is held until the next one: states come at 125 Hz, as PX4 is asked to send them."""
+"""s, half the time a command is held until the next one. PX4 is asked for states at 125 Hz."""
 SPEED_SAMPLES = 400
-"""places along the path among which the greatest speed is looked for (engineering choice)."""
+"""Number of places along the path among which the greatest speed is looked for. Engineering choice."""
 NOT_SAID = Tuning()
 AS_USUAL = Conduct()
 

@@ -19,7 +19,7 @@ from companion.frames import Vec3
 from companion.vehicle import Vehicle
 
 NO_EFFECT = 1e-3
-"""An entry of the mix below this counts as zero (PX4)."""
+"""Ratio: an entry of the mix below this counts as zero. PX4's."""
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from companion.vehicle import Vehicle
 
 ZETA_MIN = 0.25
-"""Of the weight, the least zeta: the attitude is not determined at zero. Engineering choice."""
+"""Share of the weight, the least zeta: the attitude is not determined at zero. Engineering choice."""
 ZETA_MAX = 1.9
-"""Of the weight, the largest zeta. Engineering choice: a tilt of 58 degrees in level flight."""
+"""Share of the weight, the largest zeta. Engineering choice: a tilt of 58 degrees in level flight."""
 THRUST_USED_MAX = 0.95
-"""Of the largest thrust, the largest zeta. Engineering choice: 5 % are left for turning."""
+"""Share of the largest thrust, the largest zeta. Engineering choice: 5 % are left for turning."""
 ZETA_DOT_MAX = 3.0
-"""Weights a second, the fastest change of zeta. Engineering choice: no motor follows more."""
+"""Number of weights a second, the fastest change of zeta. Engineering choice: no motor follows more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class ThrustRange:
 
 
 UNBOUNDED = ThrustRange(-float("inf"), float("inf"), float("inf"))
-"""The paper's own: for a vehicle without limits."""
+"""N and N/s, of a vehicle without limits. The paper's own."""
 
 
 def thrust_range(vehicle: Vehicle) -> ThrustRange:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import importlib
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -164,24 +166,73 @@ def test_a_function_is_read_on_one_screen_and_a_file_in_one_go(path: Path) -> No
             assert length <= FUNCTION_MAX, f"{node.name} has {length} lines"
 
 
-def _is_text(node: ast.stmt | None) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+UNITS = re.compile(
+    r"(\(?(s|us|ms|m|m/s|rad|rad/s|Hz|N|kg|V|A|mV|days|degrees|bytes|deg)(\^\d|/s\^\d|/s|/rad| m|\)\^\d)*"
+    r"|1/s(\^\w)?|Ratios?|Shares?|Factors?|Cosine|Normalised|Number|Index|Bits?|Codes?)(?![\w/^])"
+)
+"""How the text of a constant begins: its unit, or what kind of number without a unit it is."""
+SOURCES = re.compile(
+    r"[Ee]ngineering choice|PX4|paper|Eq\.|Lemma|MAVLink|[Ii]ssue \d|bench\.\w|[Ss]weep|[Rr]ecorded|[Ss]imulated|[Ff]lown"
+    r"|[Ff]lights on|[Mm]easured|[Bb]y definition|As [A-Z_]{3,}"
+)
+"""Where it comes from: one of these stands in its text."""
+
+
+def figures(path: Path) -> Iterator[tuple[int, ast.expr, str]]:
+    """(line, target, text) of every constant of a module with a number in it. Enumerations are none: their names say it.
+
+    A value that only names another constant needs no unit and source of its own.
+    """
+    body = ast.parse(path.read_text(encoding="utf-8")).body
+    lines = path.read_text(encoding="utf-8").split("\n")
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        if not isinstance(node, ast.Assign | ast.AnnAssign | ast.AugAssign) or node.value is None:
+            continue
+        numbers = [x.value for x in ast.walk(node.value) if isinstance(x, ast.Constant)]
+        hidden = any(isinstance(x, ast.Call) and ast.unparse(x.func) in ("float", "int") for x in ast.walk(node.value))
+        if not hidden and not any(isinstance(x, int | float) and not isinstance(x, bool) for x in numbers):
+            continue
+        text = ""
+        if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant) and isinstance(after.value.value, str):
+            text = after.value.value
+        else:
+            beside = lines[(node.end_lineno or node.lineno) - 1].partition("#")[2].replace("fmt: skip", "")
+            above = lines[node.lineno - 2].strip()
+            text = beside.strip() or (above[1:].strip() if above.startswith("#") else "")
+        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+            yield node.lineno, target, " ".join(text.split())
+
+
+@pytest.mark.parametrize("path", [*CONTROL_FILES, *SIM_FILES], ids=lambda p: str(p.relative_to(ROOT)))
+def test_constants_stand_one_a_line_and_say_what_they_are(path: Path) -> None:
+    for line, target, text in figures(path):
+        assert isinstance(target, ast.Name), f"line {line}: one constant a line"
+        assert text, f"line {line}: {target.id} says neither unit nor meaning"
 
 
 @pytest.mark.parametrize("path", CONTROL_FILES, ids=lambda p: str(p.relative_to(ROOT)))
-def test_a_figure_of_the_control_says_what_it_is(path: Path) -> None:
-    """A constant with a number in it has a text below it, or a comment on its line or above."""
-    text = path.read_text(encoding="utf-8")
-    lines, body = text.split("\n"), ast.parse(text).body
-    for node, after in zip(body, [*body[1:], None], strict=True):
-        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
-            continue
-        numbers = (x.value for x in ast.walk(node.value) if isinstance(x, ast.Constant))
-        if not any(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
-            continue
-        line = (node.end_lineno or node.lineno) - 1
-        said = "#" in lines[line].replace("# fmt: skip", "") or lines[node.lineno - 2].lstrip().startswith("#")
-        assert _is_text(after) or said, f"line {node.lineno} says neither unit nor source"
+def test_a_figure_of_the_control_says_its_unit_and_its_source(path: Path) -> None:
+    for line, target, text in figures(path):
+        name = ast.unparse(target)
+        assert UNITS.match(text), f"line {line}: {name} does not begin with its unit: {text}"
+        assert SOURCES.search(text), f"line {line}: {name} does not say where it comes from: {text}"
+
+
+def test_a_figure_without_unit_or_source_is_found(tmp_path: Path) -> None:
+    """However it is written."""
+    for source in ("A = 0.3", "A = 3", "A: float = -1e-3", "A = float('0.3')", "A = (1.0, B)", "A = 2 * B", "A = f(7)"):
+        file = tmp_path / "figure.py"
+        file.write_text(f"{source}\nC = 'text'\n", encoding="utf-8")
+        ((line, target, text),) = figures(file)
+        assert (line, ast.unparse(target), text) == (1, "A", ""), source
+    assert (
+        UNITS.match("m/s^2, of W")
+        and UNITS.match("(rad/s)^2: of")
+        and UNITS.match("1/s^3, of c")
+        and UNITS.match("N m")
+    )
+    assert not any(UNITS.match(text) for text in ("so many", "seconds until", "The share", "metres", "1/s/x"))
+    assert not SOURCES.search("s until it is told")
 
 
 @pytest.mark.parametrize("path", CONTROL_FILES, ids=lambda p: str(p.relative_to(ROOT)))

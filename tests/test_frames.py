@@ -27,7 +27,7 @@ from companion.frames import (
 )
 
 angle = st.floats(-3.1, 3.1)
-lean = st.floats(-1.5, 1.5)
+tilts = st.floats(-1.5, 1.5)
 
 
 def test_signs() -> None:
@@ -40,7 +40,7 @@ def test_signs() -> None:
     assert to_world(rolled, east) == pytest.approx(down)  # right side down
 
 
-@given(angle, lean, angle)
+@given(angle, tilts, angle)
 def test_quaternion_matrix_and_euler_agree(psi: float, theta: float, phi: float) -> None:
     r = rotation_matrix(quaternion_from_euler(psi, theta, phi))
     assert r == pytest.approx(rotation_from_euler(psi, theta, phi), abs=1e-12)
@@ -50,7 +50,7 @@ def test_quaternion_matrix_and_euler_agree(psi: float, theta: float, phi: float)
     assert np.linalg.det(matrix) == pytest.approx(1.0)
 
 
-@given(angle, lean, lean)
+@given(angle, tilts, tilts)
 def test_headings(psi: float, theta: float, phi: float) -> None:
     q = quaternion_from_euler(psi, theta, phi)
     r = rotation_matrix(q)
@@ -59,7 +59,7 @@ def test_headings(psi: float, theta: float, phi: float) -> None:
     assert wrap(Heading.TWIST.of(rotation_from_euler(psi, theta, 0.0)) - psi) == pytest.approx(0.0, abs=1e-9)
 
 
-@given(angle, lean, angle, st.tuples(*[st.floats(-5, 5)] * 3))
+@given(angle, tilts, angle, st.tuples(*[st.floats(-5, 5)] * 3))
 def test_body_and_world_are_inverse(psi: float, theta: float, phi: float, v: tuple[float, float, float]) -> None:
     r = rotation_from_euler(psi, theta, phi)
     assert to_body(r, to_world(r, v)) == pytest.approx(v, abs=1e-9)
@@ -73,7 +73,7 @@ def test_rotation_vectors(v: tuple[float, float, float]) -> None:
     assert to_world(rotation_matrix(q), v) == pytest.approx(v, abs=1e-9)  # the axis stays
 
 
-@given(angle, lean, angle, angle, lean, angle)
+@given(angle, tilts, angle, angle, tilts, angle)
 def test_products_compose(a: float, b: float, c: float, d: float, e: float, f: float) -> None:
     p, q = quaternion_from_euler(a, b, c), quaternion_from_euler(d, e, f)
     product = np.array(rotation_matrix(p)).reshape(3, 3) @ np.array(rotation_matrix(q)).reshape(3, 3)

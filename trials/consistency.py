@@ -54,18 +54,18 @@ def trial(
 ) -> Trial:  # fmt: skip
     """Fly the SIH vehicle. ``hover``, ``drag``: the vehicle file's over the true ones."""
     true = machine("sih")
-    told = dataclasses.replace(true, drag=true.drag * drag, hover_thrust=(true.hover_thrust or 0.5) * hover)
+    believed = dataclasses.replace(true, drag=true.drag * drag, hover_thrust=(true.hover_thrust or 0.5) * hover)
     where = dataclasses.replace(where, truth=dataclasses.replace(where.truth, drag=true.drag))
     rows: list[tuple[float, ...]] = []
 
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory = conductor.memory
-        if memory is None or memory.phase is not Phase.FOLLOW or memory.follow_from is None:
+        if memory is None or memory.phase is not Phase.FOLLOW or memory.path.follow_from is None:
             return
-        if rows and truth.t_boot - memory.follow_from - rows[-1][0] < 0.02:
+        if rows and truth.t_boot - memory.path.follow_from - rows[-1][0] < 0.02:
             return
         steering = conductor.plan.steering if conductor.plan is not None else None
-        estimate = memory.steering.estimate.motion
+        estimate = memory.steering.memory.estimate.motion
         scale = steering.hover_thrust / (true.weight / true.thrust_max)  # type: ignore[union-attr]
         thrust = sum(truth.rotor_thrusts) / true.mass
         b, seen = rotation_matrix(truth.q_nb), rotation_matrix(estimate.state.q_nb)
@@ -77,9 +77,9 @@ def trial(
             [belief.thrust_scale - scale, belief.drag - true.drag, *np.subtract(belief.disturbance_n, pushed)]
         )
         nees = float(error @ np.linalg.solve(covariance(belief), error))
-        rows.append((truth.t_boot - memory.follow_from, error[0] / scale, error[1] / true.drag, *error[2:], nees))
+        rows.append((truth.t_boot - memory.path.follow_from, error[0] / scale, error[1] / true.drag, *error[2:], nees))
 
-    flight = measured(course(mission, speed, level), told, where, level, seed=seed, duration=duration, watch=watch)
+    flight = measured(course(mission, speed, level), believed, where, level, seed=seed, duration=duration, watch=watch)
     return Trial(flight, _windows(np.array(rows)))
 
 

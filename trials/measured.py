@@ -105,28 +105,30 @@ def measured(
         if watch is not None:
             watch(conductor, truth, bridge.now)
         memory, plan = conductor.memory, conductor.plan
-        if memory is None or plan is None or memory.phase is not Phase.FOLLOW or memory.follow_from is None:
+        if memory is None or plan is None or memory.phase is not Phase.FOLLOW or memory.path.follow_from is None:
             return
         count += 1
         if count % TRUTH_EVERY:
             return
         most[0] = max(most[0], tilt(rotation_matrix(truth.q_nb)))
         most[1] = max(most[1], math.hypot(*truth.v_n))
-        since = truth.t_boot - memory.follow_from
+        since = truth.t_boot - memory.path.follow_from
         if since < settle:
             return
         if not near:
-            near.append(memory.progress.s if memory.progress is not None else 0.0)
+            near.append(memory.path.progress.s if memory.path.progress is not None else 0.0)
         near[0], distance = plan.table.nearest(truth.p_n, near[0], 3.0)
         tangent = plan.table.at(near[0])[1]
         speed = sum(t * v for t, v in zip(tangent, truth.v_n, strict=True))
         yaw = plan.mission.heading.of(rotation_matrix(truth.q_nb))
         true.append((distance, speed - plan.mission.alpha(near[0]), wrap(yaw - plan.mission.beta(near[0]))))
         steered = conductor.last.outcome.steered if conductor.last is not None else None
-        if steered is not None and memory.progress is not None:
+        if steered is not None and memory.path.progress is not None:
             found[0] = steered.estimates
-            told = steered.command
-            believed.append((memory.progress.path_error, told.speed - told.alpha, wrap(told.yaw - told.beta)))
+            command = steered.command
+            believed.append(
+                (memory.path.progress.path_error, command.speed - command.alpha, wrap(command.yaw - command.beta))
+            )
 
     fly(conductor, bridge, look, duration + 30.0)
     fault = conductor.refusal or (conductor.memory.first_fault if conductor.memory is not None else "no plan")

@@ -43,11 +43,11 @@ def drawn(seed: int) -> Drawn:
 
 def flown(seed: int, duration: float = 25.0, settle: float = 10.0) -> Measured:
     """The flight of a seed."""
-    chance = drawn(seed)
+    case = drawn(seed)
     outdoor = world("outdoor")
-    way = dataclasses.replace(outdoor.link.down, delay=0.5 * chance.delay, jitter=min(0.003, 0.5 * chance.delay))
-    where = dataclasses.replace(outdoor, truth=chance.truth, link=Link(way, way))
+    way = dataclasses.replace(outdoor.link.down, delay=0.5 * case.delay, jitter=min(0.003, 0.5 * case.delay))
+    where = dataclasses.replace(outdoor, truth=case.truth, link=Link(way, way))
     return measured(
-        course(chance.mission, chance.speed), machine("x500"), where, OutputLevel.RATES,
+        course(case.mission, case.speed), machine("x500"), where, OutputLevel.RATES,
         seed=seed, duration=duration, settle=settle,
     )  # fmt: skip

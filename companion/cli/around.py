@@ -9,10 +9,10 @@ from pathlib import Path
 from companion.cli.finish import FAILED, INTERRUPTED, NO_VEHICLE, Ending, refuse
 from companion.cli.terminal import warn
 from companion.daemon.conductor import Conductor
-from companion.daemon.last_resort import told
+from companion.daemon.last_resort import error_words
 from companion.daemon.loop import NoVehicleError, clock
 from companion.daemon.signals import Signals
-from companion.daemon.whereabouts import whereabouts
+from companion.daemon.vehicle_words import describe_vehicle
 from companion.library.orders import Sortie
 from companion.record.circumstances import Simulated
 from companion.record.folder import Recorder
@@ -32,7 +32,7 @@ def listen_to(signals: Signals, conductor: Conductor, recorder: Recorder) -> Non
     signals.stop = conductor.stop
 
     def last_words() -> None:
-        where = whereabouts(conductor, clock())
+        where = describe_vehicle(conductor, clock())
         warn(
             "a second signal: the companion ends at once and hands nothing back"
             + (
@@ -58,8 +58,8 @@ def failed(error: Exception, recorder: Recorder, ending: Ending) -> int:
     recorder.keep_failure(traceback.format_exc())
     recorder.close()
     sentence = (
-        f"the companion itself failed ({told(error)}): nothing more was sent; look at the vehicle, and send in the "
-        f"flight folder {recorder.directory}"
+        f"the companion itself failed ({error_words(error)}): nothing more was sent; look at the vehicle, and "
+        f"send in the flight folder {recorder.directory}"
     )
     refuse(sentence, ending.json)
     warn(sentence)

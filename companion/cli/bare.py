@@ -82,10 +82,10 @@ class _Curve:
 def _chi(line: str) -> list[int | float] | None:
     """The numbers of a line; None where it is no state."""
     try:
-        told = json.loads(line)
+        document = json.loads(line)
     except (ValueError, RecursionError):
         return None
-    chi = told.get("chi") if isinstance(told, dict) else None
+    chi = document.get("chi") if isinstance(document, dict) else None
     if not isinstance(chi, list):
         return None
     return chi if all(isinstance(value, int | float) and not isinstance(value, bool) for value in chi) else None
@@ -115,13 +115,13 @@ def _answer(
         answer = law(state)
     except LawError as error:
         return {"error": str(error)}
-    told: dict[str, Any] = {"xi": answer.xi, "b": answer.b, "D": answer.D}
+    document: dict[str, Any] = {"xi": answer.xi, "b": answer.b, "D": answer.D}
     if level is Level.MOTORS:
         zeta = state[-2]
         u2, u3, u4 = answer.inputs[1:]
-        told["ubar"] = answer.inputs
-        told["tau"] = allocation.motor_torques((zeta, u2, u3, u4))
+        document["ubar"] = answer.inputs
+        document["tau"] = allocation.motor_torques((zeta, u2, u3, u4))
     else:
-        told["u"] = answer.inputs
-    told["eta"] = curve.eta((state[0], state[1], state[2]))
-    return told
+        document["u"] = answer.inputs
+    document["eta"] = curve.eta((state[0], state[1], state[2]))
+    return document

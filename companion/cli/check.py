@@ -12,9 +12,9 @@ from companion.feasibility.document import as_document
 from companion.feasibility.report import Report
 from companion.feasibility.words import headline, in_words
 from companion.frames import Vec3
-from companion.geodesy import NOTHING_TOLD
+from companion.geodesy import NO_HOME_GIVEN
 from companion.library.checking import checked, in_world
-from companion.library.orders import Faults, Sortie, home_told, read_sortie, read_world
+from companion.library.orders import Faults, Sortie, given_home, read_sortie, read_world
 from companion.mission import Origin
 from companion.places.words import place_words
 from companion.plain_text import printable_lines
@@ -38,8 +38,8 @@ def check(
         plottable(plot)
     faults = Faults()
     simulated = None if world is None else faults.collect(lambda: read_world(world, 0))
-    told = faults.collect(lambda: home_told(home, None if simulated is None else simulated.world)) or NOTHING_TOLD
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True, told=told))
+    given = faults.collect(lambda: given_home(home, None if simulated is None else simulated.world)) or NO_HOME_GIVEN
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True, given=given))
     faults.raise_any()
     assert sortie is not None
     sortie, air = in_world(sortie, None if simulated is None else simulated.world)

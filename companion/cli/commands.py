@@ -44,7 +44,7 @@ from companion.cli.options import (
 )
 from companion.cli.output import Output
 from companion.cli.terminal import be_normal, detail, open_standard_streams, warn
-from companion.geodesy import NOTHING_TOLD
+from companion.geodesy import NO_HOME_GIVEN
 from companion.vehicle import CompanionError
 
 if TYPE_CHECKING:
@@ -133,13 +133,13 @@ def sim(
     from companion.cli.finish import Ending
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
     from companion.feasibility.words import headline
-    from companion.library.orders import Faults, check_record, home_told, read_sortie, read_world
+    from companion.library.orders import Faults, check_record, given_home, read_sortie, read_world
     from companion.record.place import new_directory
 
     faults = Faults()
     simulated = faults.collect(lambda: read_world(world, seed, home))
-    told = home_told(home, simulated.world) if simulated is not None else NOTHING_TOLD
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True, told=told))
+    given = given_home(home, simulated.world) if simulated is not None else NO_HOME_GIVEN
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, output, direct=True, given=given))
     faults.collect(lambda: check_record(record))
     faults.raise_any()
     assert sortie is not None and simulated is not None
@@ -212,14 +212,14 @@ def fly(
     from companion.daemon.address import parsed
     from companion.daemon.forwarding import parsed_endpoint
     from companion.flight.conduct import Conduct, Finish, Limits
-    from companion.library.orders import Faults, check_record, home_told, read_sortie
+    from companion.library.orders import Faults, check_record, given_home, read_sortie
     from companion.record.place import new_directory
 
     faults = Faults()
     open_port = faults.collect(lambda: parsed(connect))
     open_xrce = None if xrce is None else faults.collect(lambda: flying.xrce_port(xrce), "--xrce")
-    told = faults.collect(lambda: home_told(home)) or NOTHING_TOLD
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, flying.output_in(start, output, xrce), told=told))
+    given = faults.collect(lambda: given_home(home)) or NO_HOME_GIVEN
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, flying.output_in(start, output, xrce), given=given))
     faults.collect(lambda: check_record(record))
     key = None if signing_key is None else faults.collect(lambda: read_key(signing_key))
     shared = faults.collect(lambda: tuple(map(parsed_endpoint, forward or ()))) or ()

@@ -12,8 +12,8 @@ from companion.cli.output import Output
 from companion.cli.terminal import say
 from companion.config.plan.source import plan_of
 from companion.config.syntax.faults import ConfigError, Fault
-from companion.geodesy import NOTHING_TOLD, LocalFrame
-from companion.library.orders import Faults, home_told, read_sortie
+from companion.geodesy import NO_HOME_GIVEN, LocalFrame
+from companion.library.orders import Faults, given_home, read_sortie
 from companion.library.simulation import at_home
 from companion.mission import GlobalOrigin, Mission
 from companion.places.drawn import drawn
@@ -33,9 +33,9 @@ def export(
 ) -> None:  # fmt: skip
     """Write the files. ConfigError: with every reason why they cannot be."""
     faults = Faults()
-    told = faults.collect(lambda: home_told(home)) or NOTHING_TOLD
-    sortie = faults.collect(lambda: read_sortie(mission, vehicle, Output.AUTO, told=told))
-    at = Home() if home is None else Home(*told)  # type: ignore[arg-type]
+    given = faults.collect(lambda: given_home(home)) or NO_HOME_GIVEN
+    sortie = faults.collect(lambda: read_sortie(mission, vehicle, Output.AUTO, given=given))
+    at = Home() if home is None else Home(*given)  # type: ignore[arg-type]
     if plan is None and table is None:
         faults.add(Fault("--plan", 0, "", "missing; expected a file to write, here or with --csv"))
     for option, file in (("--plan", plan), ("--csv", table)):
@@ -47,7 +47,7 @@ def export(
     if table is not None and not known:
         message = f"missing; {mission} does not say how high its home lies, and the table has heights above the sea"
         raise ConfigError([Fault("--home", 0, "", message)])
-    own = None if plan is None else plan_of(mission, told)
+    own = None if plan is None else plan_of(mission, given)
     if plan is not None and own is not None:
         _write_plan(plan, own, "the plan's own, all written out")
         if table is None:

@@ -18,7 +18,7 @@ def export_flight(
 ) -> None:
     """Write the files that were asked for. ConfigError: with every reason why they cannot be."""
     from companion.record.export.csv_files import csv_files
-    from companion.record.export.folder import told_in
+    from companion.record.export.folder import read_context
     from companion.record.export.mcap_file import write_mcap
     from companion.record.replay import load_flight
     from companion.record.ulog.joined import joined, kept
@@ -50,7 +50,7 @@ def export_flight(
     if mcap:
         with busy("writing flight.mcap"):
             try:
-                messages = write_mcap(packed, flight, told_in(directory), log)
+                messages = write_mcap(packed, flight, read_context(directory), log)
             except OSError as error:
                 raise ConfigError([Fault(str(packed), 0, "", f"cannot be written: {error.strerror}")]) from None
         say(f"{packed}: {messages} messages, {time.monotonic() - begun:.1f} s")

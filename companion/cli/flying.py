@@ -18,7 +18,7 @@ from companion.config.syntax.faults import ConfigError, Fault
 from companion.daemon.beside import parsed
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.forwarding import Endpoint
-from companion.daemon.last_resort import told
+from companion.daemon.last_resort import error_words
 from companion.daemon.loop import clock, run
 from companion.daemon.port import Port
 from companion.daemon.signals import Signals, ending_signals
@@ -202,4 +202,4 @@ def _remember(conductor: Conductor, vehicle: str) -> None:
         if learned is not None and file is not None and not remembered(file, learned):
             say(f"what the flight found out of the vehicle could not be kept in {file}; the next one begins without it")
     except Exception as error:  # the flight is over, and its outcome is still to be told
-        say(f"what the flight found out of the vehicle could not be kept ({told(error)})")
+        say(f"what the flight found out of the vehicle could not be kept ({error_words(error)})")

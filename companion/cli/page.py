@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from companion.cli.terminal import busy, say
-from companion.daemon.last_resort import told
+from companion.daemon.last_resort import error_words
 from companion.vehicle import CompanionError
 
 
@@ -22,4 +22,4 @@ def write_page(directory: Path) -> None:
     except KeyboardInterrupt:  # the flight is over: only the page is stopped
         say(f"no report: stopped; companion report {directory} makes it")
     except Exception as error:  # the flight is flown and recorded: a page that fails must not make it a failure
-        say(f"no report: {told(error)}; once that is mended: companion report {directory}")
+        say(f"no report: {error_words(error)}; once that is mended: companion report {directory}")

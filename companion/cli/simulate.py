@@ -134,14 +134,14 @@ def _plant_command(simulation: Simulation, recorder: Recorder, ports: list[UdpPo
         command += ["--motors", "direct"]
     if not simulation.from_ground:
         start = start_of(mission)
-        told = {
+        values = {
             "position_n": list(start.position_n),
             "velocity_n": list(start.velocity_n),
             "q_nb": list(start.q_nb),
             "rates_b": list(start.rates_b),
             "held": start.held,
         }
-        command += ["--start", json.dumps(told)]
+        command += ["--start", json.dumps(values)]
     return command
 
 

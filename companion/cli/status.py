@@ -19,7 +19,7 @@ def status(as_json: bool) -> int:
     """Print it; the exit code: 0 where one is running."""
     found = read_statuses()
     if as_json:
-        print(json.dumps([{**s.told, "age_s": round(s.age, 1), "running": s.running} for s in found], indent=2))
+        print(json.dumps([{**s.document, "age_s": round(s.age, 1), "running": s.running} for s in found], indent=2))
     else:
         print("\n\n".join(map(in_words, found)) if found else "no companion is running on this computer")
     return COMPLETED if any(status.running for status in found) else FAILED
@@ -27,22 +27,21 @@ def status(as_json: bool) -> int:
 
 def in_words(status: FlightStatus) -> str:
     """One companion, for a person. What it said may come from another user, and is shown as data."""
-    told = {key: _plain(value) for key, value in status.told.items() if key != "notes"}
-    who = (
-        f"{told.get('mission', '?')} on {told.get('vehicle', '?')} at {told.get('output', '?')}, process {told['pid']}"
-    )
+    shown = {key: _plain(value) for key, value in status.document.items() if key != "notes"}
+    who = f"{shown.get('mission', '?')} on {shown.get('vehicle', '?')} at {shown.get('output', '?')}"
+    who += f", process {shown['pid']}"
     if not status.running:
         head = f"{who}: ended without a word {_ago(status.age)}; look at the vehicle and at its flight folder"
     elif status.age > SILENT_AFTER:
         head = f"{who}: has said nothing for {status.age:.0f} s; it hangs, or the computer does"
     else:
-        head = f"{who}: {told.get('phase', '?')}"
+        head = f"{who}: {shown.get('phase', '?')}"
     lines = [head]
     for label in ("link", "mode", "battery", "progress", "others", "record"):
-        value = told.get(label)
+        value = shown.get(label)
         if value:
             lines.append(f"  {label:{LABEL}} {value}")
-    said = status.told.get("notes")
+    said = status.document.get("notes")
     notes = [_plain(note) for note in said[:NOTES_MAX]] if isinstance(said, list) else []
     lines += [f"  {'said' if i == 0 else '':{LABEL}} {note}" for i, note in enumerate(notes)]
     return "\n".join(lines)

@@ -58,9 +58,9 @@ class Story:
             self._armed_at = now
         if self._offboard_at is None and conductor.telemetry.status.last.mode is Mode.OFFBOARD:
             self._offboard_at = now
-        steered, progress = tick.outcome.steered, tick.memory.progress
+        steered, progress = tick.outcome.steered, tick.memory.path.progress
         said = self._events(now, progress and progress.path_error, 0.0 if steered is None else steered.command.alpha)
-        if steered is None or progress is None or tick.memory.follow_from is None:
+        if steered is None or progress is None or tick.memory.path.follow_from is None:
             return said
         error, speed, alpha = progress.path_error, abs(steered.command.speed), abs(steered.command.alpha)
         if not self._began:

@@ -1,4 +1,4 @@
-"""``companion study``: one mission flown many times, each time a little otherwise."""
+"""``companion study``: one mission flown many times, each time a little different."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 
 from companion.cli.terminal import say, tell
 
-study = typer.Typer(no_args_is_help=True, help="One mission flown many times, each time a little otherwise.")
+study = typer.Typer(no_args_is_help=True, help="One mission flown many times, each time a little different.")
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a study.")]
 
 

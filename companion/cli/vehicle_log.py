@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from companion.cli.terminal import say
-from companion.daemon.last_resort import told
+from companion.daemon.last_resort import error_words
 from companion.services.log_files import fetch_log
 from companion.services.vehicle import NoVehicleHeardError, connected
 from companion.vehicle import CompanionError
@@ -49,7 +49,7 @@ def fetch_and_join(url: str, directory: Path) -> None:
     except KeyboardInterrupt:  # the flight is over: only the transfer is stopped
         say(f"the vehicle's log was not fetched whole: stopped; companion vehicle log --connect {url} fetches it")
     except Exception as error:  # the flight is flown and recorded: a log that fails must not make it a failure
-        say(f"the vehicle's log is not beside the flight's: {told(error)}")
+        say(f"the vehicle's log is not beside the flight's: {error_words(error)}")
 
 
 def keep_log(directory: Path, log: VehicleLog) -> None:

@@ -66,7 +66,7 @@ def from_log(
     for line in advice:
         tell(f"a better log: {line}")
     if not advice:
-        tell("the log tells everything well")
+        tell("every value could be taken from the log")
     base = _base(log, file, known, mass, arm)
     origin = (f"Made by companion vehicle from-log on {datetime.date.today()}, of {log_file.name}: {log.identity}.",)
     code = keep(with_findings(base, found, origin), file)

@@ -112,7 +112,7 @@ ORIGIN = """\
 SPEED = """\
 3.0 # m/s; negative runs the other way
 # speed: auto # as fast as the vehicle can
-# speed: {auto: {margin: 0.9, speed_max: 6.0, reverse: false}} # the same, with a say in it
+# speed: {auto: {margin: 0.9, speed_max: 6.0, reverse: false}} # the same, with options
 # speed: {table: [[0, 2.0], [20, 4.0]]} # m/s at m along the path
 """
 YAW = """\

@@ -17,7 +17,7 @@ from companion.daemon.orders import Orders, commands_of
 from companion.daemon.payload import Payload
 from companion.daemon.preparing import Preparation
 from companion.daemon.state_count import StateCount
-from companion.daemon.tick import Half, Tick
+from companion.daemon.tick import Tick, UnfinishedTick
 from companion.estimation.learned import Learned
 from companion.flight.phases import EXITS, Event, Phase
 from companion.flight.situation import Answer
@@ -74,8 +74,8 @@ class Conductor:
         self._stop = False
         self.preparation = Preparation(self.link, self.telemetry, self.parameters, self.notes, xrce=self.xrce)
         self._wake_at = now
-        self._half: Half | None = None
-        self._pending: Tick | None = None
+        self._unfinished: UnfinishedTick | None = None
+        self._unrecorded: Tick | None = None
         self._recorder = recorder
         self._now = now
         self._relay: Callable[[bytes], None] | None = None
@@ -102,9 +102,9 @@ class Conductor:
     @property
     def learned(self) -> Learned | None:
         """What the flight found out of its vehicle; None if that is nothing."""
-        if self.plan is None or self.memory is None or self.memory.steering is None:
+        if self.plan is None or self.memory is None or self.memory.steering.memory is None:
             return None
-        return self.plan.steering.learned(self.memory.steering)
+        return self.plan.steering.learned(self.memory.steering.memory)
 
     @property
     def states(self) -> int:
@@ -142,7 +142,7 @@ class Conductor:
                 peers.heard_at = now
             elif peers.knock(data, source, now):
                 decoder.restart()
-                self.link.met_again(now)
+                self.link.on_new_source(now)
             else:
                 continue
             for frame in decoder.stream(data) if stream else decoder.piece(data, now):
@@ -155,7 +155,7 @@ class Conductor:
                 if frame.format.id in GROUND_WANTED and self.link.identity is not None:
                     self.ground.receive(frame, self.link.identity.system, now, of_vehicle=of_vehicle)
                 elif of_vehicle:
-                    self.preparation.met(self.orders.vehicle, frame.system, now)
+                    self.preparation.on_heartbeat(self.orders.vehicle, frame.system, now)
                     self.parameters.receive(frame)
                     arrived = self.telemetry.receive(frame, now)
                     if arrived is not None:
@@ -167,7 +167,7 @@ class Conductor:
             self.notes.append(f"vehicle: {text}")
         self.link.texts.clear()
         self._late = late
-        self.preparation.restored()
+        self.preparation.report_restored()
         self._states.add(count, now)
         return state, answer, count
 
@@ -178,7 +178,7 @@ class Conductor:
         self.link.on_timer(now)
         self.parameters.on_timer(now)
         self.payload.on_timer(now)
-        self.preparation.restored()
+        self.preparation.report_restored()
         self.ground.on_timer(now)
         if now >= self._wake_at:
             self._tick(None, None, now)
@@ -204,14 +204,14 @@ class Conductor:
                 self._relay(frame)
         self._frames.clear()
         self._conclude()
-        if self._pending is not None:
-            tick, self._pending = self._pending, None
+        if self._unrecorded is not None:
+            tick, self._unrecorded = self._unrecorded, None
             if self._recorder is not None:
-                self._recorder.tick(tick.seen, tick.memory, tick.outcome, tick.now, latency)
+                self._recorder.tick(tick.observation, tick.memory, tick.outcome, tick.now, latency)
 
     def drop_tick(self) -> None:
         """Forget the tick in hand: its pilot has failed."""
-        self._half = self._pending = None
+        self._unfinished = self._unrecorded = None
 
     def queue(self, setpoint: Setpoint, t_boot: float) -> None:
         """Have a setpoint sent, with the time (s, the vehicle's) of its state."""
@@ -230,20 +230,20 @@ class Conductor:
             return  # making the plan took its time, and this state is no longer fresh
         waits = self.memory.phase is Phase.PREFLIGHT
         self.link.peers.flying = not waits
-        if waits and self.preparation.doubt() is not None:
-            self.preparation.refusal = self.preparation.doubt()
+        if waits and self.preparation.ambiguity() is not None:
+            self.preparation.refusal = self.preparation.ambiguity()
             self.preparation.restore(now)
             return
         clock = self.link.clock
         clock.may_restart = self.memory.phase in NOT_FLYING
         self.plan = self.ground.retuned(self.plan, now, self._recorder, may=self.memory.phase in NOT_FLYING)
-        seen = Observation(
+        observation = Observation(
             state, self.telemetry.status, answer, self._stop, self.link.round_trip, self._states.rate, behind,
-            self.link.companions(now), self.ground.speed_scale, self._late if state is not None else 0.0, clock.pace,
+            self.link.companions(now), self.ground.speed_scale, self._late if state is not None else 0.0, clock.rate,
         )  # fmt: skip
         before = self.memory
-        self.memory, early = pilot.compute_setpoint(self.plan, before, seen, now)
-        self._half = Half(seen, early, now, before)
+        self.memory, early = pilot.compute_setpoint(self.plan, before, observation, now)
+        self._unfinished = UnfinishedTick(observation, early, now, before)
         if early is None:
             self._conclude()
         else:
@@ -251,20 +251,20 @@ class Conductor:
 
     def _conclude(self) -> None:
         """The rest of a tick, where there is one left."""
-        if self._half is None or self.plan is None or self.memory is None:
+        if self._unfinished is None or self.plan is None or self.memory is None:
             return
-        (seen, early, now, before), self._half = self._half, None
-        self.memory, outcome = pilot.supervise(self.plan, self.memory, seen, now, early)
+        (observation, early, now, before), self._unfinished = self._unfinished, None
+        self.memory, outcome = pilot.supervise(self.plan, self.memory, observation, now, early)
         if early is None and outcome.setpoint is not None:
             self._queue(self.memory, outcome.setpoint)
-        if outcome.sent and outcome.request is not None and self.memory.asking is not None:
-            self.link.requests.ask(COMMANDS[outcome.request], self.memory.asking.tries - 1, now)
+        if outcome.sent and outcome.request is not None and self.memory.request.asking is not None:
+            self.link.requests.ask(COMMANDS[outcome.request], self.memory.request.asking.tries - 1, now)
         if outcome.actions:
             self.payload.send(outcome.actions, self.link.requests, now)
         self._wake_at = pilot.wake_at(self.memory, now)
         self.notes += outcome.notes
-        self.last = self._pending = Tick(seen, self.memory, outcome, now, before)
-        self.ground.told(self.plan, self.memory, outcome, self.memory.first_fault is not None, now)
+        self.last = self._unrecorded = Tick(observation, self.memory, outcome, now, before)
+        self.ground.report(self.plan, self.memory, outcome, self.memory.first_fault is not None, now)
         if self.xrce is not None:
             self.xrce.tell(pilot.may_be_selected(self.memory, now), self._over, pilot.completed(self.memory))
         if self._over:

@@ -17,6 +17,9 @@ from urllib.parse import parse_qs, urlsplit
 from companion.daemon.port import AddressError
 from companion.daemon.scribe import Helper
 from companion.mavlink.codec import MAGIC_V2, Decoder
+from companion.mavlink.dialect import (
+    message,
+)
 
 EXPECTED = "expected udpout://HOST:PORT[?max_hz=HZ][&commands=yes|no]"
 PERIOD = 0.01
@@ -32,10 +35,17 @@ UP_A_TURN = 2
 DATAGRAM_MAX = 65535
 DATAGRAMS_A_LOOK = 100
 """Of one endpoint: a flood waits in its socket, or is lost there."""
-THINNED = frozenset({24, 30, 31, 32, 33, 65, 74, 83, 85, 105, 116, 141, 147, 230, 241, 242, 331, 340})
+THINNED = frozenset(message(name).id for name in (
+    "GPS_RAW_INT", "ATTITUDE", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT", "RC_CHANNELS",
+    "VFR_HUD", "ATTITUDE_TARGET", "POSITION_TARGET_LOCAL_NED", "HIGHRES_IMU", "SCALED_IMU2", "ALTITUDE",
+    "BATTERY_STATUS", "ESTIMATOR_STATUS", "VIBRATION", "HOME_POSITION", "ODOMETRY", "UTM_GLOBAL_POSITION",
+))  # fmt: skip
 """Messages that repeat (attitude, position, sensors, targets, ...) and that ``max_hz`` thins; all others pass."""
-SETPOINTS = frozenset({82, 84, 86, 139, 140})
-"""SET_ATTITUDE_TARGET, SET_POSITION_TARGET_*, SET_ACTUATOR_CONTROL_TARGET: a second source of them is refused."""
+SETPOINTS = frozenset(message(name).id for name in (
+    "SET_ATTITUDE_TARGET", "SET_POSITION_TARGET_LOCAL_NED", "SET_POSITION_TARGET_GLOBAL_INT",
+    "SET_ACTUATOR_CONTROL_TARGET", "ACTUATOR_CONTROL_TARGET",
+))  # fmt: skip
+"""A second source of setpoints is refused."""
 
 
 @dataclass(frozen=True)

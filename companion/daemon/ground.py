@@ -91,13 +91,13 @@ class GroundSide:
         places = [Place(*frame.to_global((float(x), float(y), float(z)))) for x, y, z in points]
         self._upload = Upload(self._send, places, system)
 
-    def told(self, plan: Plan, memory: Memory, outcome: Outcome, fault: bool, now: float) -> None:
+    def report(self, plan: Plan, memory: Memory, outcome: Outcome, fault: bool, now: float) -> None:
         """What a tick brought."""
         for note in outcome.notes:
             self._announcer.say(
                 f"path: {note.split(' -> ')[-1]}", now, MavSeverity.WARNING if fault else MavSeverity.INFO
             )
-        steered, progress = outcome.steered, memory.progress
+        steered, progress = outcome.steered, memory.path.progress
         if steered is not None and progress is not None and memory.state is not None and memory.phase in FLOWN:
             command = steered.command
             wanted = command.alpha * outcome.ramp.value

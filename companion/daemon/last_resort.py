@@ -17,7 +17,7 @@ from typing import TypeVar
 from companion import pilot
 from companion.daemon.asked_of_vehicle import COMMANDS
 from companion.daemon.conductor import Conductor
-from companion.flight.asking import Asking, asked
+from companion.flight.asking import Asking, update_asking
 from companion.flight.conduct import ControlAuthority
 from companion.flight.phases import Phase, Request
 from companion.flight.situation import Answer
@@ -77,7 +77,7 @@ class LastResort:
         else:
             did = f"the vehicle was levelled for {pilot.LEVEL_FOR:g} s, then setpoints stopped; it is in {where}"
         do = "take the vehicle by remote control, land it" if self.was_flying else "look at the vehicle"
-        return f"the companion itself failed ({told(self.error)}): {did}; {do}, and send in the flight folder"
+        return f"the companion itself failed ({error_words(self.error)}): {did}; {do}, and send in the flight folder"
 
     def receive(self, batch: Sequence[Received], now: float) -> None:
         """Listen, and act on the rules above."""
@@ -123,7 +123,7 @@ class LastResort:
         ours = self._ours()
         status = self._conductor.telemetry.status.known(now)
         if self._restoring_since is not None:
-            self._try(self._conductor.preparation.restored)
+            self._try(self._conductor.preparation.report_restored)
         elif since > ASKING or (not ours and status.mode_age < STATUS_FRESH < since):
             self._restoring_since = now
             self._try(lambda: self._conductor.preparation.restore(now))
@@ -133,7 +133,7 @@ class LastResort:
                 self._level(now)
             if self._authority is ControlAuthority.COMPANION:
                 lost = now - self._state_at > STATE_FRESH
-                self._asking, sent = asked(self._asking, self._answer, status, Phase.ABORT, now, lost=lost)
+                self._asking, sent = update_asking(self._asking, self._answer, status, Phase.ABORT, now, lost=lost)
                 if sent:
                     self.asked = True
                     hold, tries = COMMANDS[Request.HOLD], self._asking.tries
@@ -144,7 +144,7 @@ class LastResort:
         if plan is None or memory is None:
             return
         state = self._state if now - self._state_at <= STATE_FRESH else None
-        setpoint = self._try(lambda: plan.steering.level(state, memory.steering))
+        setpoint = self._try(lambda: plan.steering.level(state, memory.steering.memory))
         if setpoint is None:
             setpoint = self._try(lambda: plan.steering.level(None))
         if setpoint is not None:
@@ -158,7 +158,7 @@ class LastResort:
             return None
 
 
-def told(error: Exception) -> str:
+def error_words(error: Exception) -> str:
     """An exception in few words: its kind, its message, the line of ours that raised it."""
     frames = traceback.extract_tb(error.__traceback__)
     ours = [frame for frame in frames if "companion" in Path(frame.filename).parts] or list(frames)

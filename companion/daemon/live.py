@@ -42,13 +42,13 @@ def live_document(conductor: Conductor, now: float) -> dict[str, Any] | None:
             "yaw_deg": _rounded(math.degrees(euler_from_rotation(state.r_nb)[0])),
             "tilt_deg": _rounded(math.degrees(tilt_of(state))),
         }
-        if memory.follow_from is not None:
-            said["follow_s"] = _rounded(state.t_boot - memory.follow_from)
-    if memory.progress is not None:
-        said |= {"path_error_m": _rounded(memory.progress.path_error), "s_m": _rounded(memory.progress.s)}
+        if memory.path.follow_from is not None:
+            said["follow_s"] = _rounded(state.t_boot - memory.path.follow_from)
+    if memory.path.progress is not None:
+        said |= {"path_error_m": _rounded(memory.path.progress.path_error), "s_m": _rounded(memory.path.progress.s)}
     steered = tick.outcome.steered
     if steered is not None:
-        speed = steered.command.speed * (-1.0 if memory.leg < 0.0 else 1.0)
+        speed = steered.command.speed * (-1.0 if memory.path.leg < 0.0 else 1.0)
         said |= {
             "speed_mps": _rounded(speed),
             "speed_error_mps": _rounded(speed - steered.command.alpha),
@@ -58,8 +58,8 @@ def live_document(conductor: Conductor, now: float) -> dict[str, Any] | None:
     said["guards"] = guards(tick, plan)
     said["link"] = {
         "age_s": None if memory.state_at is None else _rounded(now - memory.state_at),
-        "round_trip_s": _rounded(tick.seen.link_delay),
-        "rate_hz": _rounded(tick.seen.rate),
+        "round_trip_s": _rounded(tick.observation.link_delay),
+        "rate_hz": _rounded(tick.observation.rate),
     }
     status = conductor.telemetry.status.last
     said |= {"battery": _rounded(status.battery), "armed": status.armed}
@@ -72,8 +72,8 @@ def guards(tick: Tick, plan: Plan) -> list[dict[str, Any]]:
     memory, limits = tick.memory, plan.conduct.limits
     state = memory.state
     found: list[tuple[str, float, float, str]] = []
-    if memory.progress is not None and memory.reached and limits.tube is not None:
-        found.append(("tube", memory.progress.path_error, limits.tube, "m"))
+    if memory.path.progress is not None and memory.path.reached and limits.tube is not None:
+        found.append(("tube", memory.path.progress.path_error, limits.tube, "m"))
     if state is not None and limits.tilt is not None:
         found.append(("tilt", math.degrees(tilt_of(state)), math.degrees(limits.tilt), "deg"))
     if state is not None and limits.ground is not None and limits.ceiling is not None:
@@ -84,7 +84,7 @@ def guards(tick: Tick, plan: Plan) -> list[dict[str, Any]]:
             found.append(("fence radius", math.hypot(north, east), limits.radius, "m"))
         if limits.height is not None:
             found.append(("fence height", -down, limits.height, "m"))
-    told = [
+    usage = [
         {
             "name": name,
             "value": _rounded(value),
@@ -98,7 +98,7 @@ def guards(tick: Tick, plan: Plan) -> list[dict[str, Any]]:
     if state is not None and limits.ground is not None and limits.floor is not None:
         height = limits.ground - state.p_n[2]
         used = 1.0 if height <= 0.0 else limits.floor / height
-        told.append(
+        usage.append(
             {
                 "name": "floor",
                 "value": _rounded(height),
@@ -107,7 +107,7 @@ def guards(tick: Tick, plan: Plan) -> list[dict[str, Any]]:
                 "used": _rounded(used),
             }
         )
-    return told
+    return usage
 
 
 def path_document(plan: Plan) -> dict[str, Any]:

@@ -27,7 +27,7 @@ from companion.daemon.rhythm import Rhythm
 from companion.daemon.scribe import DISK_PATIENCE, SCREEN_PATIENCE, Scribe, Teller
 from companion.daemon.status_file import StatusFile
 from companion.daemon.systemd import Service
-from companion.daemon.warm_up import Rehearsal
+from companion.daemon.warm_up import WarmUp
 from companion.mavlink.peer import Received
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
@@ -131,7 +131,7 @@ class _Flight:
         self._teller = teller
         self._forwarder = forwarder
         self._xrce = xrce
-        self._rhythm, self._rehearsal = Rhythm(), Rehearsal()
+        self._rhythm, self._warm_up = Rhythm(), WarmUp()
         self._states = 0
         self._frozen = False
 
@@ -159,7 +159,7 @@ class _Flight:
         batch = self._next()
         arrived = clock()
         if batch:
-            urgent, later = self._parted(batch)
+            urgent, later = self._split(batch)
             flown.receive(urgent, arrived)
             self._send(arrived)
             if self._conductor.states != self._states:
@@ -181,7 +181,7 @@ class _Flight:
             self._frozen = True
             _freeze()
 
-    def _parted(self, batch: list[Received]) -> tuple[list[Received], list[Received]]:
+    def _split(self, batch: list[Received]) -> tuple[list[Received], list[Received]]:
         """What is taken in before the setpoint, and after it."""
         if self._port.stream:
             return batch, []
@@ -192,15 +192,15 @@ class _Flight:
         port, rhythm = self._port, self._rhythm
         now = clock()
         timer = min(self._flown.next_timer(), now + IDLE_MAX)
-        while (early := rhythm.rehearse_at(now)) < timer and self._flown is self._conductor:
+        while (early := rhythm.warm_up_at(now)) < timer and self._flown is self._conductor:
             batch = port.receive(early - now)
             if batch:
                 return batch
             begun = clock()
-            if not self._rehearsal.fly(self._conductor):
+            if not self._warm_up.run(self._conductor):
                 break
             now = clock()
-            rhythm.rehearsed(begun, now)
+            rhythm.add_warm_up(begun, now)
             batch = port.receive(0.0)
             if batch:
                 rhythm.was_late()

@@ -60,7 +60,7 @@ class Preparation:
     _lacking_since: float = 0.0
     _lacking_said: bool = False
 
-    def met(self, vehicle: Vehicle, system: int, now: float) -> None:
+    def on_heartbeat(self, vehicle: Vehicle, system: int, now: float) -> None:
         """The vehicle was heard: the first time, ask for the parameters that matter."""
         if self.heard_at is None:
             self.heard_at = now
@@ -74,23 +74,23 @@ class Preparation:
         identity = self.link.identity
         if identity is None or self.refusal is not None:
             return None
-        self.refusal = self._refused(orders, identity, now)
+        self.refusal = self._reason_to_refuse(orders, identity, now)
         if self.refusal is not None:
             return None
         self.state_heard = self.state_heard or state is not None
         lacks = self._lacks(orders, identity, now)
         if lacks is not None:
             self._say_missing(f"for the vehicle to say {lacks}", now)
-            if self._known_for(now) > GIVEN_UP_AFTER:
+            if self._heard_for(now) > GIVEN_UP_AFTER:
                 self.refusal = f"within {GIVEN_UP_AFTER:g} s the vehicle has not said {lacks}"
             return None
         if state is None:
             return None
         try:
-            return self._made(orders, state, now)
+            return self._make_plan(orders, state, now)
         except NotKnownError as error:
             self._say_missing(f"because {error}", now)
-            if self._known_for(now) > PLACE_WITHIN:
+            if self._heard_for(now) > PLACE_WITHIN:
                 self.refusal = str(error)
         except CompanionError as error:
             self.refusal = str(error)
@@ -128,20 +128,20 @@ class Preparation:
         for name, was in self.changed.items():
             self.parameters.change(name, was, now)
 
-    def restored(self) -> None:
+    def report_restored(self) -> None:
         """Say what the vehicle has made of being set back, once that is known."""
         if not self.restoring or not self.parameters.settled:
             return
         self.restoring = False
         for name, was in self.changed.items():
-            held = self.parameters.value(name)
-            if held is not None and math.isclose(held, was, rel_tol=1e-6):
+            value = self.parameters.value(name)
+            if value is not None and math.isclose(value, was, rel_tol=1e-6):
                 self.notes.append(f"{name} set back to {was:g}")
             else:
-                self.notes.append(f"{name} may still be {held:g}: the vehicle did not answer; set it back to {was:g}")
+                self.notes.append(f"{name} may still be {value:g}: the vehicle did not answer; set it back to {was:g}")
         self.changed.clear()
 
-    def _made(self, orders: Orders, state: VehicleState, now: float) -> Plan | None:
+    def _make_plan(self, orders: Orders, state: VehicleState, now: float) -> Plan | None:
         tuning, vehicle = self.parameters.tuning(), orders.vehicle
         mixes = orders.level is not OutputLevel.MOTORS or self.xrce is not None
         another = output.another_vehicle(vehicle, tuning) if mixes else None
@@ -154,7 +154,7 @@ class Preparation:
                 name = self.xrce.flight_mode.name
                 self.notes.append(f"the flight mode {name} is registered; what is said of OFFBOARD is meant of {name}")
             self.choice = output.chosen(orders.level, tuning, auto=orders.auto, consent=consent, over_xrce=over)
-            self._set(orders, self.choice, now)
+            self._set_parameters(orders, self.choice, now)
             if not self.parameters.settled:
                 return None
         where = self._location(state)
@@ -162,7 +162,7 @@ class Preparation:
         heights_agree(mission, where)
         self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
         stands_at = state.p_n if where.on_ground else None
-        conduct = conducted(orders.conduct, vehicle, tuning, mission.table, where.home_n, stands_at)
+        conduct = complete_conduct(orders.conduct, vehicle, tuning, mission.table, where.home_n, stands_at)
         if self.xrce is not None and self.xrce.level.without_rate_loop:
             conduct = caught(conduct, vehicle)
         if orders.objection is not None and conduct.limits.ground is not None:
@@ -198,7 +198,7 @@ class Preparation:
             None if home is None else home.p_n,
         )
 
-    def _set(self, orders: Orders, choice: output.Choice, now: float) -> None:
+    def _set_parameters(self, orders: Orders, choice: output.Choice, now: float) -> None:
         """Set the parameters that a level needs."""
         self.notes.append(choice.why)
         if orders.has_xrce and not orders.over_xrce:
@@ -216,24 +216,24 @@ class Preparation:
         """Whether what answered is an autopilot that can be flown; True as long as none has."""
         return self.link.identity is None or self.link.is_px4
 
-    def _refused(self, orders: Orders, identity: Identity, now: float) -> str | None:
+    def _reason_to_refuse(self, orders: Orders, identity: Identity, now: float) -> str | None:
         if not self.is_ours:
             return (
                 f"the autopilot that answered is not PX4 (MAV_AUTOPILOT {identity.autopilot}); nothing was sent to it"
             )
-        doubt = self.doubt()
+        ambiguity = self.ambiguity()
         if self.xrce is not None:
-            return doubt or self.xrce.refusal
+            return ambiguity or self.xrce.refusal
         if orders.level is OutputLevel.TORQUES:
             return "torques go over XRCE alone; give --xrce, or fly it with --output rates or attitude"
-        if doubt is not None or orders.level is not OutputLevel.MOTORS:
-            return doubt
+        if ambiguity is not None or orders.level is not OutputLevel.MOTORS:
+            return ambiguity
         refused = output.motors_refused(orders.vehicle, identity.direct_motors)
-        if refused is None and identity.direct_motors is None and self._known_for(now) > IDENTITY_WITHIN:
+        if refused is None and identity.direct_motors is None and self._heard_for(now) > IDENTITY_WITHIN:
             return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
         return refused
 
-    def doubt(self) -> str | None:
+    def ambiguity(self) -> str | None:
         """Why it is not certain which vehicle is ours; None where it is."""
         identity = self.link.identity
         if identity is None:
@@ -253,7 +253,7 @@ class Preparation:
             )
         return None
 
-    def _known_for(self, now: float) -> float:
+    def _heard_for(self, now: float) -> float:
         return 0.0 if self.heard_at is None else now - self.heard_at
 
 
@@ -272,7 +272,7 @@ def heights_agree(mission: Mission, where: VehicleLocation) -> None:
         )
 
 
-def conducted(
+def complete_conduct(
     ordered: Conduct, vehicle: Vehicle, tuning: Tuning, table: ArcTable, home: Vec3 | None, stands_at: Vec3 | None
 ) -> Conduct:
     """``home``: of the vehicle, in its frame; ``stands_at``: where it stands if it does; None where not known."""

@@ -14,10 +14,10 @@ def line(tick: Tick, rate: float, garbage: int = 0) -> str:
     """Time of following, path error, speed, yaw error, tilt, loop rate; bytes that were no message, if there were."""
     memory, steered = tick.memory, tick.outcome.steered
     parts = [f"{memory.phase.value:<10}"]
-    if memory.follow_from is not None and memory.state is not None:
-        parts.append(f"{memory.state.t_boot - memory.follow_from:6.1f} s")
-    if memory.progress is not None:
-        parts.append(f"path error {100.0 * memory.progress.path_error:6.1f} cm")
+    if memory.path.follow_from is not None and memory.state is not None:
+        parts.append(f"{memory.state.t_boot - memory.path.follow_from:6.1f} s")
+    if memory.path.progress is not None:
+        parts.append(f"path error {100.0 * memory.path.progress.path_error:6.1f} cm")
     if steered is not None:
         parts.append(f"speed {steered.command.speed:6.2f} of {steered.command.alpha:.2f} m/s")
         parts.append(f"yaw error {math.degrees(yaw_error(steered)):6.1f} deg")

@@ -13,13 +13,13 @@ import math
 PHASE_GAIN, PERIOD_GAIN, MEAN_GAIN = 0.2, 0.02, 0.05
 """What one arrival changes of the due time, of the period, of the other means."""
 MARGIN = 8e-5
-"""s that the last rehearsal ends before a state is due, beside the usual deviation."""
+"""s that the last warm-up ends before a state is due, beside the usual deviation."""
 WATCH_MAX = 4e-4
 """s of asking the link without sleeping, at most: a tenth of a core at 250 Hz."""
-REHEARSALS = 4
+WARM_UPS = 4
 """The first finds everything cold, and one falls out where the waking is late; the third is as quick as it gets."""
-REHEARSAL_SHARE_MAX = 0.25
-"""Of the period, for all rehearsals. A machine on which not even one fits has no time for them."""
+WARM_UP_TIME_MAX = 0.25
+"""Of the period, for all warm-ups. A machine on which not even one fits has no time for them."""
 REGULAR = 0.08
 """A rhythm is one while states keep to it within this share of the period, in the mean."""
 PERIOD_MIN, PERIOD_MAX = 5e-4, 0.1
@@ -36,7 +36,7 @@ class Rhythm:
         self._due = -math.inf
         self._period = math.nan
         self._deviation = math.inf
-        self._rehearsal = 2e-4
+        self._warm_up_time = 2e-4
         self._late = False
         self._odd = 0
         self.watch_until = -math.inf
@@ -51,7 +51,7 @@ class Rhythm:
             self._period = interval if PERIOD_MIN < interval < PERIOD_MAX else math.nan
             self._deviation, self._due, self._odd = PERIOD_MAX, now + self._period, 0
             return
-        off = -self._rehearsal if late else now - self._due
+        off = -self._warm_up_time if late else now - self._due
         # a state that was lost, or a stall, leaves the rhythm as it is
         periods = round(off / self._period)
         off -= periods * self._period
@@ -60,21 +60,21 @@ class Rhythm:
         self._deviation += MEAN_GAIN * (abs(off) - self._deviation)
         self._period += PERIOD_GAIN * off
 
-    def rehearse_at(self, now: float) -> float:
-        """When to rehearse next, ``now`` at the earliest; inf for not any more before the next state."""
-        most = REHEARSAL_SHARE_MAX * self._period
+    def warm_up_at(self, now: float) -> float:
+        """When to warm up next, ``now`` at the earliest; inf for not any more before the next state."""
+        most = WARM_UP_TIME_MAX * self._period
         regular = self._deviation < REGULAR * self._period
-        if not regular or self._rehearsal > most:
+        if not regular or self._warm_up_time > most:
             return math.inf
         end = self._due - self._deviation - MARGIN
-        at = max(now, end - min(REHEARSALS * self._rehearsal, most))
-        return at if at + self._rehearsal <= end else math.inf
+        at = max(now, end - min(WARM_UPS * self._warm_up_time, most))
+        return at if at + self._warm_up_time <= end else math.inf
 
-    def rehearsed(self, begun: float, ended: float) -> None:
-        """A rehearsal is over."""
-        self._rehearsal += MEAN_GAIN * (ended - begun - self._rehearsal)
+    def add_warm_up(self, begun: float, ended: float) -> None:
+        """A warm-up ran from ``begun`` to ``ended`` (s)."""
+        self._warm_up_time += MEAN_GAIN * (ended - begun - self._warm_up_time)
         self.watch_until = min(self._due + 2.0 * self._deviation, ended + WATCH_MAX)
 
     def was_late(self) -> None:
-        """Something was there already when a rehearsal ended: it came while that went on."""
+        """Something was there already when a warm-up ended: it came while that went on."""
         self._late = True

@@ -63,16 +63,16 @@ def signing_with(key: bytes, epoch: float, link: int = 0) -> Iterator[Signing]:
 
 def _written(signing: Signing, file: Path, ahead: int) -> bool:
     streams = {"/".join(map(str, stream)): stamp + ahead for stream, stamp in list(signing.streams.items())}
-    told = {"schema": SCHEMA, "stamp": signing.stamp + ahead, "streams": streams}
-    return write_owned(file, json.dumps(told, indent=2) + "\n")
+    document = {"schema": SCHEMA, "stamp": signing.stamp + ahead, "streams": streams}
+    return write_owned(file, json.dumps(document, indent=2) + "\n")
 
 
 def _recalled(key: bytes, link: int, file: Path) -> Signing:
     """The stamps of the last time; from the start where there are none that make sense."""
     signing = Signing(key, link)
     try:
-        told = json.loads(read_owned(file) or "{}")
-        stamp, streams = told["stamp"], told["streams"]
+        document = json.loads(read_owned(file) or "{}")
+        stamp, streams = document["stamp"], document["streams"]
         for name, last in list(streams.items())[:STREAMS_MAX]:
             system, component, number = map(int, name.split("/"))
             signing.streams[system, component, number] = _stamp(last)
@@ -82,7 +82,7 @@ def _recalled(key: bytes, link: int, file: Path) -> Signing:
     return signing
 
 
-def _stamp(told: object) -> int:
-    if not isinstance(told, int) or not 0 <= told <= STAMP_MAX:
+def _stamp(document: object) -> int:
+    if not isinstance(document, int) or not 0 <= document <= STAMP_MAX:
         raise ValueError("no time stamp")
-    return told
+    return document

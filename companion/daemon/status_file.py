@@ -48,7 +48,7 @@ class FlightStatus(NamedTuple):
     """What one companion said last. ``age``: s since then. ``running``: whether its process is still there. ``file``:
     where it said so, ``owner``: the user's number it belongs to."""
 
-    told: Mapping[str, Any]
+    document: Mapping[str, Any]
     age: float
     running: bool
     file: Path = Path()
@@ -76,15 +76,15 @@ def read_statuses(environment: Mapping[str, str] = os.environ, *, once: bool = T
     """Every companion on this computer, the last one heard first. ``once``: those that are no more are told once."""
     found = []
     for file, owner in _files(environment):
-        told = _told(read_owned(file, owner))
-        if told is None:
+        document = _parsed(read_owned(file, owner))
+        if document is None:
             continue
-        running = _is_running(told["pid"])
+        running = _is_running(document["pid"])
         if once and not running and owner == os.geteuid():
             for left in (file, file.with_suffix(LIVE), file.with_suffix(PATH)):
                 with contextlib.suppress(OSError):
                     left.unlink()
-        found.append(FlightStatus(told, max(0.0, time.time() - told["written_at"]), running, file, owner))
+        found.append(FlightStatus(document, max(0.0, time.time() - document["written_at"]), running, file, owner))
     return sorted(found, key=lambda status: status.age)
 
 
@@ -97,15 +97,15 @@ def own_directory(environment: Mapping[str, str]) -> Path:
     return Path(users) / "companion" if users else Path(_temporary_directory()) / f"companion-{os.getuid()}"
 
 
-def _told(text: str | None) -> dict[str, Any] | None:
+def _parsed(text: str | None) -> dict[str, Any] | None:
     """What a file says, if a companion wrote it."""
     try:
-        told = json.loads(text or "")
-        pid, written_at = told["pid"], told["written_at"]
+        document = json.loads(text or "")
+        pid, written_at = document["pid"], document["written_at"]
     except (ValueError, KeyError, TypeError, RecursionError):
         return None
     numbers = isinstance(pid, int) and isinstance(written_at, int | float)
-    return told if numbers and 0 < pid <= PID_MAX and 0.0 <= written_at < TIME_MAX else None
+    return document if numbers and 0 < pid <= PID_MAX and 0.0 <= written_at < TIME_MAX else None
 
 
 def _files(environment: Mapping[str, str]) -> Iterator[tuple[Path, int]]:

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from companion.pilot import First, Memory, Observation, Outcome
+from companion.pilot import LawOutput, Memory, Observation, Outcome
 
 
 class Tick(NamedTuple):
     """What the last tick saw and did, kept until the setpoint is on its way; and what it remembered ``before``."""
 
-    seen: Observation
+    observation: Observation
     memory: Memory
     outcome: Outcome
     now: float
     before: Memory
 
 
-class Half(NamedTuple):
-    """A tick whose setpoint is queued already, and whose rest comes after the send."""
+class UnfinishedTick(NamedTuple):
+    """A tick whose setpoint is queued, if it has one ``early``; ``pilot.supervise`` comes after the send."""
 
-    seen: Observation
-    early: First | None
+    observation: Observation
+    early: LawOutput | None
     now: float
     before: Memory

@@ -14,11 +14,12 @@ from companion.estimation.noise_levels import NoiseLevels
 from companion.frames import Vec3
 
 MEASUREMENT_NOISE_TIME = 2.0
-"""s over which the squares of the innovations are averaged."""
+"""s over which the squares of the innovations are averaged. Engineering choice."""
 NOISE_MIN = (POSITION_R_MIN, 4e-3**2)
-"""m^2, m^2/s^2: variances of position and velocity, at least: PX4's own smooth estimate, quiet."""
+"""m^2, m^2/s^2: variances of position and velocity, at least. Recorded: PX4's own smooth estimate, quiet."""
 NOISE_FIRST = NoiseLevels(NOISE_MIN[0], NOISE_MIN[1], (0.05**2,) * 3, (0.1**2,) * 3, (0.3**2, 0.3**2, 0.2**2))
-"""Before anything is known: between quiet and shaking."""
+"""m^2, m^2/s^2, (m/s)^2, (m/s)^2, (m/s^2)^2: the levels before anything is known, between quiet and shaking.
+Engineering choice."""
 NOISE_MAX = (0.05**2, 0.2**2)
 """m^2, m^2/s^2: at most. Engineering choice: the worst that is still flown."""
 LEVEL_TIME = 6.0
@@ -29,10 +30,11 @@ WANDER_RANGE = (0.02**2, 0.3**2)
 VELOCITY_ERROR_RANGE = (0.05**2, 0.5**2)
 """(m/s)^2, of B. Quiet PX4: 0.02 to 0.04 m/s; with sensors that shake 0.18 to 0.25."""
 GUST_RANGE = (0.15**2, 2.0**2)
-"""(m/s^2)^2, of W, level. With 0.3 m/s^2 at least, NEES lies below its bounds (sih_noisy: 87 % of the time inside; 93 %
-with this)."""
+"""(m/s^2)^2, of W, level. Simulated: with 0.3 m/s^2 at least, NEES lies below its bounds (sih_noisy: 87 % of the
+time inside; 93 % with this)."""
 GUST_RANGE_VERTICAL = (0.12**2, 0.25**2)
-"""(m/s^2)^2, of W, vertical. Likewise; at most what air does, or a change of the thrust scale would be taken for it."""
+"""(m/s^2)^2, of W, vertical. Likewise; at most what air does, or a change of the thrust scale would be taken for it.
+Engineering choice."""
 
 
 def adapt_measurement_noise(noise: NoiseLevels, innovation: Innovation, dt: float) -> NoiseLevels:

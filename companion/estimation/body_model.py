@@ -23,9 +23,9 @@ Wrench = tuple[float, float, float, float]
 TURN_OBSERVER = (12.0, 36.0)
 """1/s, 1/s^2: gains from the gyro's innovation to the body rates and the trim. Both poles of the observer at -6 1/s
 (pole placement): the trim of a motor that fails is known after 0.3 s, and a gyro that shakes by 0.09 rad/s leaves a
-quarter of that in the rates."""
+quarter of that in the rates. Engineering choice."""
 TURN_OBSERVER_STEP_MAX = 0.03
-"""s, the longest step of the observer (explicit Euler), which keeps it stable at low rates."""
+"""s, the longest step of the observer (explicit Euler), which keeps it stable at low rates. Engineering choice."""
 TRIM_MAX = 40.0
 """rad/s^2, the largest trim. Engineering choice: a motor of an x500 that is dead."""
 

@@ -35,53 +35,57 @@ FREEZE_TIME = 0.4
 """s without learning of thrust scale and drag after anything the model does not know. Flights on PX4's simulated
 quadrotor: a saturated capture spoiled them for 12 s without."""
 THRUST_SCALE_RANGE = (0.45, 2.2)
-"""Engineering choice: hover thrusts of half and twice the one that was told."""
+"""Ratio of thrust made to thrust asked for. Engineering choice: hover thrusts of half and twice the one of the
+vehicle file."""
 DRAG_RANGE = (0.0, 2.5)
 """1/s. Engineering choice: PX4's simulated quadrotor, which is draggy, has 1.0."""
 DISTURBANCE_DEVIATION_MAX = 2.0
-"""m/s^2, the largest ||d - LPF(d)||. Simulated: held for 4 s and let go, a
-vehicle then leaps 0.13 m, at 4 m/s^2 0.28 m."""
+"""m/s^2, the largest ||d - LPF(d)||. Simulated: held for 4 s and let go, a vehicle then leaps 0.13 m; with 4 m/s^2
+0.28 m."""
 INITIAL_DEVIATION_MAX = 8.0
-"""m/s^2, the same at first, when the disturbance may be anywhere a wind could put it."""
+"""m/s^2, the same at first, when the disturbance may be anywhere a wind could put it. Engineering choice."""
 INITIAL_PHASE = 4.0
-"""s in which the clamp closes from its initial to its usual size."""
+"""s in which the clamp closes from its initial to its usual size. Engineering choice."""
 DISTURBANCE_LPF_TIME = 5.0
 """s, time constant of LPF(d). Engineering choice: longer than a gust, shorter than a change of the weather."""
 INITIAL_DISTURBANCE_LPF_TIME = 0.5
-"""s, the same in the initial phase."""
+"""s, the same in the initial phase. Engineering choice."""
 THRUST_SCALE_STD = 0.2
-"""Standard deviation of the thrust scale before a flight. Engineering choice: battery and payload of a usual day."""
+"""Ratio: standard deviation of the thrust scale before a flight. Engineering choice: battery and payload of a usual
+day."""
 DRAG_STD = 0.7
 """1/s, of the drag. Flights on PX4's simulated quadrotor: found within 1 s from there."""
 JUMP_POSITION = 0.25
 """m of innovation from which on it may be a jump. Engineering choice: a tenth of what GPS glitches do."""
 JUMP_VELOCITY = 0.5
-"""m/s of innovation from which on it may be a jump."""
+"""m/s of innovation from which on it may be a jump. Engineering choice."""
 JUMP_SIGMAS = 10.0
-"""Standard deviations of the innovation from which on it is one."""
+"""Number of standard deviations of the innovation from which on it is a jump. Engineering choice."""
 VERTICAL_DISTURBANCE_USUAL = 0.4
-"""m/s^2: 2.5 standard deviations of the vertical D + W; what is beyond is taken for a change of the thrust scale."""
+"""m/s^2: 2.5 standard deviations of the vertical D + W; what is beyond is taken for a change of the thrust scale.
+Engineering choice."""
 THRUST_SCALE_JUMP_TIME = 0.3
 """s in which such a change is learned. Sweep over steps of the scale of 20 % in a hover: 4.1 and 2.3 % are left after
 5 s; a push of 3 m/s^2 for 0.5 s leaves 1 %."""
 HOVER_SPEED_MAX = 1.0
-"""m/s, below which a tilt at the beginning is taken for the wind's."""
+"""m/s, below which a tilt at the beginning is taken for the wind's. Engineering choice."""
 RESTRAINED_SPEED_MAX = 0.25
-"""m/s: slower than this a vehicle that is to move may be restrained."""
+"""m/s: slower than this a vehicle that is to move may be restrained. Engineering choice."""
 UNEXPLAINED_VELOCITY_MIN = 0.5
-"""m/s of velocity that it should have come to and has not, from which on it is restrained."""
+"""m/s of velocity that it should have come to and has not, from which on it is restrained. Engineering choice."""
 UNEXPLAINED_VELOCITY_TIME = 1.0
-"""s, time constant in which such velocity is forgotten."""
+"""s, time constant in which such velocity is forgotten. Engineering choice."""
 RELEASE_SPEED = 0.12
-"""m/s: so fast towards where its thrust points a vehicle that was restrained is free again."""
+"""m/s: so fast towards where its thrust points a vehicle that was restrained is free again. Engineering choice."""
 CONVERGED_RATIO = 0.03
-"""Standard deviation of the thrust scale, of the scale, at which it is known well enough to follow a path."""
+"""Ratio of the thrust scale's standard deviation to the scale, at which it is known well enough to follow a path.
+Engineering choice."""
 CONVERGENCE_TIME_MIN = 0.3
-"""s of flight before anything is called converged."""
+"""s of flight before anything is called converged. Engineering choice."""
 
 
 STANDARD_GRAVITY = 9.80665
-"""m/s^2."""
+"""m/s^2, standard gravity. By definition (CGPM 1901)."""
 
 
 class Prior(NamedTuple):

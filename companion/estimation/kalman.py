@@ -49,7 +49,7 @@ from companion.estimation.noise_levels import NoiseLevels
 from companion.frames import Vec3
 
 PRIOR_POSITION_STD = 1e-3
-"""m. The reported position is what is followed, whatever the true one."""
+"""m. The reported position is what is followed, whatever the true one. Engineering choice."""
 PRIOR_DISTURBANCE_STD: Vec3 = (1.5, 1.5, 0.1)
 """m/s^2. Engineering choice: a wind of 5 m/s on a vehicle with a third of the drag of PX4's simulated one."""
 

@@ -8,16 +8,16 @@ from companion.estimation.translation import acceleration
 from companion.frames import Vec3
 
 PER_AXIS = 6
-"""Numbers of the state that each axis has: P, V, U, B, D, W."""
+"""Number of states of each axis: P, V, U, B, D, W. By definition of the model."""
 AXES = 3
-"""north, east, down."""
+"""Number of axes: north, east, down. By definition."""
 POSITION, VELOCITY, WANDER, VELOCITY_ERROR, DISTURBANCE, GUST = range(PER_AXIS)
 THRUST_SCALE = AXES * PER_AXIS
-"""Index in the state."""
+"""Index of the thrust scale in the state. By definition."""
 DRAG = THRUST_SCALE + 1
-"""Index in the state."""
+"""Index of the drag in the state. By definition."""
 SIZE = THRUST_SCALE + 2
-"""states in all."""
+"""Number of states in all. By definition."""
 UPPER = tuple((i, j) for i in range(SIZE) for j in range(i, SIZE))
 AT = {pair: index for index, pair in enumerate(UPPER)}
 
@@ -25,24 +25,24 @@ WANDER_TIME = 0.5
 """s, time constant of U. Spectrum of PX4's position error on a recorded circle, sensors shaking: that of its derivative
 is flat to 0.3 Hz and falls from there."""
 VELOCITY_ERROR_TIME = 3.5
-"""s, time constant of B. Same session: 3 to 4 s."""
+"""s, time constant of B. Recorded in the same session: 3 to 4 s."""
 GUST_TIME = 1.0
 """s, time constant of W. Engineering choice: 5 m of gust at 5 m/s."""
 DISTURBANCE_TIME: Vec3 = (1e9, 1e9, 10.0)
-"""s, time constant of D: the wind stays, a vertical push does not."""
+"""s, time constant of D: the wind stays, a vertical push does not. Engineering choice."""
 DISTURBANCE_Q: Vec3 = (0.01, 0.01, 0.002)
-"""m^2/s^5, process noise of D. Level: a tilt error of 0.7 deg over 3 s, and wind; vertical: 0.1 m/s^2 stationary, the
-prior that tells the thrust scale from it."""
+"""m^2/s^5, process noise of D. Level: a tilt error of 0.7 deg over 3 s, and wind; vertical: 0.1 m/s^2 stationary,
+the prior that tells the thrust scale from it. Engineering choice."""
 POSITION_Q = 1e-8
-"""m^2/s, process noise of P beyond its wander: none but rounding."""
+"""m^2/s, process noise of P beyond its wander: none but rounding. Engineering choice."""
 VELOCITY_Q = 1e-4
-"""m^2/s^3, process noise of V beyond D and W: the motors' noise."""
+"""m^2/s^3, process noise of V beyond D and W: the motors' noise. Engineering choice."""
 THRUST_SCALE_Q = 1e-5
-"""1/s, process noise of kappa: 2.4 % in a minute, a battery that sags."""
+"""1/s, process noise of kappa: 2.4 % in a minute, a battery that sags. Engineering choice."""
 DRAG_Q = 1e-4
-"""1/s^3, process noise of c: a payload that turns, rotors that speed up."""
+"""1/s^3, process noise of c: a payload that turns, rotors that speed up. Engineering choice."""
 POSITION_R_MIN = 3e-4**2
-"""m^2, variance of the reported position, sample by sample. Same session: 0.1 mm."""
+"""m^2, variance of the reported position, sample by sample. Recorded in the same session: 0.1 mm."""
 POSITION_Q_GAIN = 24.0
 """1/s. A position that is noisier than that also wanders step by step: so many times the excess of its variance a
 second is added to its process noise. Sweep over the worlds of configs/worlds."""

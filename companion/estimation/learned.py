@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.estimation.estimator import DRAG_STD, THRUST_SCALE_STD, Prior
+from companion.estimation.estimator import DRAG_RANGE, DRAG_STD, THRUST_SCALE_STD, Prior
 
 HOVER_RANGE = (0.1, 0.9)
 """Normalised hover thrusts that a vehicle can have. PX4 takes MPC_THR_HOVER from 0.1 to 0.8."""
-DRAG_RANGE = (0.0, 2.5)
-"""1/s, as the estimator's."""
 LAG_RANGE = (0.01, 0.3)
 """s, of a rate loop that flies. Engineering choice."""
 YAW_LAG_RANGE = (0.05, 1.5)
 """s, of a yaw rate loop. Engineering choice."""
 FRESH_THRUST_SCALE_STD = 0.05
-"""Standard deviation of the thrust scale just after a flight: another battery, load or propeller."""
+"""Ratio: standard deviation of the thrust scale just after a flight: another battery, load or propeller. Engineering
+choice."""
 FRESH_DRAG_STD = 0.15
-"""1/s, the same of the drag."""
+"""1/s, the same of the drag. Engineering choice."""
 AGEING = 30.0
 """days after which the standard deviation is that of a vehicle never flown. Engineering choice."""
 FLIGHT_TIME_MIN = 15.0

@@ -19,30 +19,33 @@ from companion.estimation.rate_loop_model import STEP, TimedCommand, active_comm
 from companion.frames import Vec3
 
 LOG_SPACING = 0.25
-"""Between the models, in the logarithm of the lag. Engineering choice: narrow enough for the parabola."""
+"""Ratio, in the logarithm: between the lags of neighbouring models. Engineering choice: narrow enough for the
+parabola."""
 MEAN_TIME = 3.0
 """s, time constant of the means of the squared errors. Engineering choice: a bend or two."""
 FOLLOW_TIME = 2.0
 """s, time constant with which lag and gain follow. Engineering choice: slower than the vehicle, quicker than a lap."""
 SETTLING_TIME = 0.4
-"""s after a reset in which the models swing in and nothing is learned: six usual lags."""
+"""s after a reset in which the models swing in and nothing is learned: six usual lags. Engineering choice."""
 EXCITATION_MIN = (5e-4) ** 2
-"""(rad/s)^2: curvature of the parabola, or difference of its ends, below which the commands excite too little."""
+"""(rad/s)^2: curvature of the parabola, or difference of its ends, below which the commands excite too little.
+Engineering choice."""
 LAG_RATIO_MIN = 0.9
-"""Times the prior lag: no shorter one is sought. A slow course shows the lag of slow commands only, which the
-integrator of PX4's rate loop shortens, and the loop is closed over the fast ones too."""
+"""Ratio to the prior lag: no shorter one is sought. Engineering choice: a slow course shows the lag of slow commands
+only, which the integrator of PX4's rate loop shortens, and the loop is closed over the fast ones too."""
 LAG_RATIO_MAX = 1.6
-"""Times the prior lag: no longer one is sought."""
+"""Ratio to the prior lag: no longer one is sought. Engineering choice."""
 GAIN_MAX = 1.1
-"""The largest gain that is believed; never less than 1. PX4's simulated quadrotor: 1.01 to 1.03."""
+"""Ratio of rates flown to rates commanded: the largest that is believed; never less than 1. PX4's simulated
+quadrotor: 1.01 to 1.03."""
 GAIN_EXCITATION_MIN = 0.5 * 0.2**2
-"""(rad/s)^2: mean square of the rate below which no gain is learned."""
+"""(rad/s)^2: mean square of the rate below which no gain is learned. Engineering choice."""
 ALONG_TIME = 3.0
 """s, time constant with which an axis that hardly turns follows the other. Engineering choice."""
 PERIOD = 0.024
 """s between two updates. Engineering choice: twice the step of the models."""
 GAP_MAX = 0.06
-"""s without a state after which the models are reset."""
+"""s without a state after which the models are reset. Engineering choice: two states of 50 Hz and one that is lost."""
 
 Turning = tuple[float, float]
 """w, w' of one model: rad/s, rad/s^2."""

@@ -22,22 +22,24 @@ YAW_LAG = 0.43
 YAW_TORQUE_LAG = 0.07
 """s, of the yaw torque. PX4's default filter on it (MC_YAW_TQ_CUTOFF 2 Hz)."""
 YAW_OBSERVER_POLE = 8.0
-"""1/s: where all three poles of the yaw observer lie, as -8."""
+"""1/s: where all three poles of the yaw observer lie, as -8. Engineering choice."""
 YAW_TRIM_MAX = 1.0
 """rad/s, the largest trim. Engineering choice: the yaw rates that are asked for are at most 1.5."""
 GYRO_TIME = 0.03
-"""s, time constant with which roll and pitch rates are drawn to the gyro. With 0.006 s a gyro that shakes by 0.09 rad/s
-puts twice the noise into the commands (4 deg/s, not 2, on sih_noisy at poles of -5); the path error is the same."""
+"""s, time constant with which roll and pitch rates are drawn to the gyro. Simulated: with 0.006 s a gyro that shakes
+by 0.09 rad/s puts twice the noise into the commands (4 deg/s, not 2, on sih_noisy at poles of -5); the path error is
+the same."""
 GYRO_ACCELERATION_GAIN = 150.0
-"""1/s^2, from the gyro's innovation to the derivative of the rates: a damping of 0.7 with GYRO_TIME."""
+"""1/s^2, from the gyro's innovation to the derivative of the rates: a damping of 0.7 with GYRO_TIME. Engineering
+choice."""
 GYRO_ACCELERATION_GAIN_MAX = 12.0
-"""1/s, the largest such gain in one step, which keeps the observer stable at low rates."""
+"""1/s, the largest such gain in one step, which keeps the observer stable at low rates. Engineering choice."""
 GYRO_STEP_MAX = 0.03
-"""s, the longest step of the yaw observer (explicit Euler), for the same reason."""
+"""s, the longest step of the yaw observer (explicit Euler), which keeps it stable at low rates. Engineering choice."""
 LAG_MIN = 0.005
-"""s: a rate loop that is quicker counts as this quick."""
+"""s: a rate loop that is quicker counts as this quick. Engineering choice."""
 MOTOR_LAG_MIN = 0.004
-"""s: motors that are quicker count as this quick."""
+"""s: motors that are quicker count as this quick. Engineering choice."""
 
 
 class _HasTime(Protocol):

@@ -43,7 +43,7 @@ from companion.vehicle import VehicleState
 Commands = tuple[TimedCommand, ...]
 
 UPRIGHT_MIN = 0.5
-"""The least cosine of the tilt that a hover thrust is divided by."""
+"""Cosine of the tilt: the least that a hover thrust is divided by. Engineering choice: 60 degrees."""
 
 
 class VehicleEstimate(NamedTuple):

@@ -31,11 +31,13 @@ from companion.frames import Vec3
 FOLLOW_TIME = 1.5
 """s, time constant with which the lag follows. Engineering choice: found within a bend or two."""
 SETTLING_TIME = 1.0
-"""s after a reset in which the models swing in and nothing is learned: two usual lags."""
+"""s after a reset in which the models swing in and nothing is learned: two usual lags. Engineering choice."""
 SWING_MIN = 0.06**2
-"""(rad/s)^2, variance of the middle model's yaw rate below which nothing is learned: a nose that stays."""
+"""(rad/s)^2, variance of the middle model's yaw rate below which nothing is learned: a nose that stays. Engineering
+choice."""
 LAG_RATIO_RANGE = (0.35, 2.0)
-"""Times the prior lag: no other is sought. Engineering choice: yaw from twice as weak to thrice as strong as usual."""
+"""Ratio to the prior lag: no other is sought. Engineering choice: yaw from twice as weak to thrice as strong as
+usual."""
 
 Turning = tuple[float, float]
 """r, r' of one model: rad/s, rad/s^2."""

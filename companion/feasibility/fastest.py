@@ -55,14 +55,18 @@ LOWERINGS = 60
 
 
 class Fastest:
-    """The search for one mission and one vehicle. ``knot_time``: s."""
+    """The search for one mission and one vehicle. ``knot_time``: s.
+
+    ``at``: the places along the path, ``ds`` m apart, at which every limit is kept. ``matrices``: from coefficients to
+    the squared speed and its three derivatives there. ``steady``: m/s that could be flown there without end.
+    """
 
     def __init__(self, mission: Mission, auto: AutoSpeed, vehicle: Vehicle, knot_time: float = KNOT_TIME) -> None:
         self._mission = mission
-        self._headroom = Headroom(vehicle, auto, None if mission.closed else (0.0, mission.table.length))
+        self.headroom = Headroom(vehicle, auto, None if mission.closed else (0.0, mission.table.length))
         self._everywhere = stations(mission, places(mission))
         s = self._everywhere.s
-        steady = self._headroom.steady(self._everywhere)
+        steady = self.headroom.steady(self._everywhere)
         passed = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (steady[1:] + steady[:-1]))])
         knots = max(KNOTS_MIN, math.ceil(passed[-1] / knot_time)) + 1
         self.spline = ArcSpline(
@@ -71,12 +75,12 @@ class Fastest:
         )
         widths = np.diff(self.spline.knots)
         shares = (np.arange(PER_KNOT) + 0.5) / PER_KNOT
-        self._at = stations(mission, (self.spline.knots[:-1, None] + shares * widths[:, None]).ravel())
-        self._ds = np.repeat(widths / PER_KNOT, PER_KNOT)
-        self._steady = np.interp(self._at.s, s, steady)
+        self.at = stations(mission, (self.spline.knots[:-1, None] + shares * widths[:, None]).ravel())
+        self.ds = np.repeat(widths / PER_KNOT, PER_KNOT)
+        self.steady = np.interp(self.at.s, s, steady)
         self._at_sites = np.interp(self.spline.sites, s, steady)
-        self._weight = self._ds / self._steady
-        self._matrices = self.spline.matrices(self._at.s)
+        self._weight = self.ds / self.steady
+        self.matrices = self.spline.matrices(self.at.s)
 
     def profile(self) -> SpeedProfile:
         """The speed along the path, with the sign of its direction. TooSlowError: none is slow enough."""
@@ -86,12 +90,12 @@ class Fastest:
         everywhere = self.spline.matrices(self._everywhere.s)
         for _ in range(LOWERINGS):
             alpha = speeds([matrix @ coefficients for matrix in everywhere])
-            if float(self._headroom.used(self._everywhere, alpha).max()) <= EXCESS_MAX:
+            if float(self.headroom.used(self._everywhere, alpha).max()) <= EXCESS_MAX:
                 break
             coefficients = coefficients * 0.997
         knots = self.spline.knots
         at_knots = speeds([matrix @ coefficients for matrix in self.spline.matrices(knots)])
-        return SpeedProfile(hermite(knots.tolist(), at_knots * self._headroom.auto.direction, self.spline.period))
+        return SpeedProfile(hermite(knots.tolist(), at_knots * self.headroom.auto.direction, self.spline.period))
 
     def first(self) -> Array:
         """Coefficients that keep every limit: the steady speed smoothed, and lowered where a limit is passed."""
@@ -102,7 +106,7 @@ class Fastest:
             return result
 
         coefficients = smoothed(self._at_sites**2, 5)
-        seen = (self._matrices[0] != 0).T.tocsr()  # coefficient -> the places where it has a say
+        seen = (self.matrices[0] != 0).T.tocsr()  # coefficient -> the places where it has a say
         for _ in range(LOWERINGS):
             used = self._used(coefficients).max(axis=0)
             if float(used.max()) < 0.98:
@@ -113,7 +117,7 @@ class Fastest:
             if float(coefficients.min()) < SPEED_MIN**2:
                 break
         i = int(np.argmax(used))
-        raise TooSlowError(f"no speed is slow enough for this vehicle at {self._at.s[i]:.1f} m along the path")
+        raise TooSlowError(f"no speed is slow enough for this vehicle at {self.at.s[i]:.1f} m along the path")
 
     def improved(self, coefficients: Array) -> Array:
         """Coefficients of the fastest profile, from ones that keep every limit."""
@@ -138,13 +142,23 @@ class Fastest:
 
     def time(self, coefficients: Array) -> float:
         """s along the whole path."""
-        return float(np.sum(self._ds / np.sqrt(self._matrices[0] @ coefficients)))
+        return float(np.sum(self.ds / np.sqrt(self.matrices[0] @ coefficients)))
+
+    def slopes(self, y: Array, used: Array) -> Array:
+        """Derivatives of the shares ``used`` over the squared speed and its three derivatives: (4, limits, places)."""
+        slopes = []
+        for k in range(4):
+            h = 1e-6 * y[0] / self.steady**k  # a change that takes about a second
+            nudged = y.copy()
+            nudged[k] += h
+            slopes.append((self.headroom.used(self.at, speeds(nudged)) - used) / h)
+        return np.stack(slopes)
 
     def _used(self, coefficients: Array) -> Array:
-        return self._headroom.used(self._at, speeds([matrix @ coefficients for matrix in self._matrices]))
+        return self.headroom.used(self.at, speeds([matrix @ coefficients for matrix in self.matrices]))
 
     def _value(self, coefficients: Array, mu: float) -> float:
-        if float((self._matrices[0] @ coefficients).min()) <= SPEED_MIN**2:
+        if float((self.matrices[0] @ coefficients).min()) <= SPEED_MIN**2:
             return math.inf
         left = 1.0 - self._used(coefficients)
         if float(left.min()) <= 0.0:
@@ -153,28 +167,22 @@ class Fastest:
 
     def _newton(self, coefficients: Array, mu: float) -> tuple[Array, csc_matrix]:
         """Gradient and curvature of the value; of the limits' own curvature nothing, they are nearly convex."""
-        y = np.stack([matrix @ coefficients for matrix in self._matrices])
-        used = self._headroom.used(self._at, speeds(y))
+        y = np.stack([matrix @ coefficients for matrix in self.matrices])
+        used = self.headroom.used(self.at, speeds(y))
         left = 1.0 - used
-        slopes = []
-        for k in range(4):
-            h = 1e-6 * y[0] / self._steady**k  # a change that takes about a second
-            nudged = y.copy()
-            nudged[k] += h
-            slopes.append((self._headroom.used(self._at, speeds(nudged)) - used) / h)
-        pressed = np.stack(slopes) / left  # derivative x limit x place
+        pressed = self.slopes(y, used) / left  # derivative x limit x place
         weight = mu * self._weight
         gradients = weight * pressed.sum(axis=1)
-        gradients[0] -= 0.5 * self._ds * y[0] ** -1.5
+        gradients[0] -= 0.5 * self.ds * y[0] ** -1.5
         curvatures = weight * np.einsum("kjn,ljn->kln", pressed, pressed)
-        curvatures[0, 0] += 0.75 * self._ds * y[0] ** -2.5
-        gradient = sum(matrix.T @ g for matrix, g in zip(self._matrices, gradients, strict=True))
+        curvatures[0, 0] += 0.75 * self.ds * y[0] ** -2.5
+        gradient = sum(matrix.T @ g for matrix, g in zip(self.matrices, gradients, strict=True))
         total = csc_matrix((self.spline.count, self.spline.count))
         for k in range(4):
-            rows = diags_array(curvatures[k, k]) @ self._matrices[k] * 0.5
+            rows = diags_array(curvatures[k, k]) @ self.matrices[k] * 0.5
             for i in range(k + 1, 4):
-                rows = rows + diags_array(curvatures[k, i]) @ self._matrices[i]
-            half = self._matrices[k].T @ rows
+                rows = rows + diags_array(curvatures[k, i]) @ self.matrices[i]
+            half = self.matrices[k].T @ rows
             total = total + half + half.T
         return gradient, csc_matrix(total + diags_array(1e-9 * total.diagonal()))
 

@@ -1,7 +1,8 @@
 """How a vehicle is asked for something: on fresh knowledge, three times at most, and never against somebody's word.
 
 An ``Asking`` belongs to one phase. It remembers the mode in which it was decided; where another one is seen, somebody
-decided otherwise, and nothing more is asked. It ends for good with an acceptance. ``asked`` is the only way to send.
+decided otherwise, and nothing more is asked. It ends for good with an acceptance. Whatever is sent,
+``update_asking`` said so.
 """
 
 from __future__ import annotations
@@ -13,13 +14,18 @@ from companion.flight.phases import TRIES, Phase, Request
 from companion.flight.situation import Answer
 from companion.vehicle import KnownStatus, Landed, Mode
 
-RETRY, RETRY_HOLD = 0.5, 0.35
-"""s between two tries: three lie within 1.5 s; and in an abort within the second after the last status (rule 2)."""
-FRESH, FRESH_LOST = 1.0, 0.3
-"""s: how old the last word about the mode may be when something is asked for; and when HOLD is first asked for because
-no state comes any more (rule 2). PX4 says its mode twice a second, and at once when it changes."""
+RETRY = 0.5
+"""s between two tries: three lie within 1.5 s. Issue 11, rule 2."""
+RETRY_HOLD = 0.35
+"""s between two tries of HOLD in an abort: three lie within the second after the last status. Issue 11, rule 2."""
+FRESH = 1.0
+"""s: how old the last word about the mode may be when something is asked for. Issue 11, rule 2; PX4 says its mode
+twice a second, and at once when it changes."""
+FRESH_LOST = 0.3
+"""s, the same when HOLD is first asked for because no state comes any more. Issue 11, rule 2."""
 BACK_AFTER = 1.5
-"""s without a mode after which the link was away: when it is back, HOLD may be asked for three times more."""
+"""s without a mode after which the link was away: when it is back, HOLD may be asked for three times more. Issue 11,
+rule 2."""
 
 
 class Asking(NamedTuple):
@@ -36,7 +42,7 @@ class Asking(NamedTuple):
     own: Mode | None = None
 
 
-def begun(request: Request | None, before: Asking | None, status: KnownStatus) -> Asking | None:
+def begin_asking(request: Request | None, before: Asking | None, status: KnownStatus) -> Asking | None:
     """What a phase asks for that has just begun. HOLD that was asked for goes on being the same asking."""
     if request is None:
         return None
@@ -46,7 +52,7 @@ def begun(request: Request | None, before: Asking | None, status: KnownStatus) -
     return Asking(request, status.mode, own=Mode.TAKEOFF if climbs else None)
 
 
-def asked(
+def update_asking(
     asking: Asking, answer: Answer | None, status: KnownStatus, phase: Phase, now: float, *, lost: bool
 ) -> tuple[Asking, bool]:
     """The asking after this moment, and whether it is sent now. ``lost``: the phase began because no state comes."""
@@ -67,7 +73,7 @@ def asked(
 
 
 def next_at(asking: Asking | None, phase: Phase) -> float:
-    """s, when ``asked`` may have something to send again; inf for never."""
+    """s, when ``update_asking`` may have something to send again; inf for never."""
     if asking is None or asking.tries >= TRIES:
         return math.inf
     return asking.sent_at + (RETRY_HOLD if phase is Phase.ABORT else RETRY)

@@ -9,11 +9,11 @@ import math
 from typing import NamedTuple
 
 SHOWN_AT = math.radians(10.0)
-"""rad of tilt from which the answer counts."""
+"""rad of tilt from which the answer counts. Engineering choice."""
 TURNING = 0.2
-"""rad/s or N m that count as an answer."""
+"""rad/s or N m that count as an answer. Engineering choice."""
 WRONG_FOR = 25
-"""Ticks in a row of turning the wrong way before it is called wrong."""
+"""Number of ticks in a row of turning the wrong way before it is called wrong. Engineering choice."""
 
 SIDES = ("roll right", "roll left", "nose up", "nose down")
 
@@ -33,12 +33,12 @@ class Shown(NamedTuple):
 NOTHING_SHOWN = Shown()
 
 
-def looked(shown: Shown, roll: float, pitch: float, turn: tuple[float, float, float]) -> tuple[Shown, str | None]:
+def judge_tilt(shown: Shown, roll: float, pitch: float, turn: tuple[float, float, float]) -> tuple[Shown, str | None]:
     """One look: ``roll``, ``pitch`` rad as the vehicle says, ``turn`` as the law asks (its first two components). A
     line for the person at the bench where a side was shown for the first time."""
     right = list(shown.right)
     wrong = 0
-    told = None
+    line = None
     for axis, (angle, answer) in enumerate(((roll, turn[0]), (pitch, turn[1]))):
         if abs(angle) < SHOWN_AT or abs(angle) < max(abs(roll), abs(pitch)):
             continue
@@ -46,11 +46,11 @@ def looked(shown: Shown, roll: float, pitch: float, turn: tuple[float, float, fl
         if answer * angle < 0.0 and abs(answer) > TURNING:
             if not right[side]:
                 right[side] = True
-                told = f"{SIDES[side]} {math.degrees(abs(angle)):.0f} degrees: the command turns it back"
+                line = f"{SIDES[side]} {math.degrees(abs(angle)):.0f} degrees: the command turns it back"
         elif answer * angle > 0.0:
             wrong = shown.wrong + 1
     a, b, c, d = right
-    return Shown((a, b, c, d), wrong), told
+    return Shown((a, b, c, d), wrong), line
 
 
 def fault(shown: Shown) -> str | None:

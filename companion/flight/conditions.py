@@ -19,45 +19,55 @@ ESTIMATOR_PARTS = (
     (8 | 16, "horizontal position"),
     (32, "height"),
 )
-"""The bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for."""
+"""Bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for. MAVLink's
+ESTIMATOR_STATUS_FLAGS."""
 CLOCK_JUMP = 0.5
 """s that the vehicle's clock may run ahead of ours between two states (engineering choice)."""
-VELOCITY_OFF, RATES_OFF = 3.0, 1.5
-"""m/s and rad/s that position and velocity, attitude and rates may disagree by (engineering choice: PX4's own differ by
-0.04 m/s, px4_flight.md, 4)."""
+VELOCITY_OFF = 3.0
+"""m/s that position and velocity may disagree by. Engineering choice: PX4's own differ by 0.04 m/s."""
+RATES_OFF = 1.5
+"""rad/s that attitude and body rates may disagree by. Engineering choice."""
 TILT_ERROR = math.radians(40.0)
 """rad between the thrust axis asked for and the one flown (engineering choice)."""
 RATE_ERROR = 3.0
 """rad/s between the rates asked for and flown (engineering choice)."""
 TURNS_TOO_FAST = 1.2
-"""Of the vehicle's greatest body rate, where PX4's rate loop does not bound it (engineering choice)."""
+"""Ratio to the vehicle's greatest body rate, where PX4's rate loop does not bound it. Engineering choice."""
 TURNING = 1.0
 """rad/s: a vehicle that turns slower than that is not out of hand (engineering choice)."""
-LIFT_GONE, LIFT_SHORT = 0.6, 0.7
-"""Thrust made over thrust asked for, below which it does not answer: at once, and where it lasts. Simulated: one motor
-of an x500 at 50 % comes to 0.58, a storm to 0.66 for a moment."""
+LIFT_GONE = 0.6
+"""Ratio of thrust made to thrust asked for, below which it does not answer, at once. Simulated: one motor of an x500
+at 50 % comes to 0.58, a storm to 0.66 for a moment."""
+LIFT_SHORT = 0.7
+"""Ratio, the same where it lasts. Simulated likewise."""
 LIFT_ASTRAY = 0.78
-"""The same while the vehicle turns otherwise than it is told, as it does when one motor alone is weak. A storm comes
-to 0.83."""
+"""Ratio, the same while it turns otherwise than commanded: one motor is weak. Simulated: a storm comes to 0.83."""
 RATE_ASTRAY = 1.5
-"""rad/s between the rates asked for and flown: a storm comes to 1.9, one motor at 50 % to 2.9."""
+"""rad/s between the rates commanded and flown. Simulated: a storm comes to 1.9, one motor at 50 % to 2.9."""
 LIFT_LEANS = 0.9
-"""The ratio below which thrust is named with a lean that is not as told (engineering choice)."""
+"""Ratio below which thrust is named with a tilt that is not as commanded. Engineering choice."""
 BEHIND = 5
-"""states that arrive together with the newest, from which on the computer is behind (engineering choice)."""
-GAP, GAPS, GAPS_WITHIN = 0.1, 5, 10.0
-"""s without a state that count as a gap; so many gaps within so many s are too many."""
+"""Number of states that arrive together with the newest, from which on the computer is behind. Engineering choice."""
+GAP = 0.1
+"""s without a state that count as a gap. Engineering choice: 12 states of 125 Hz."""
+GAPS = 5
+"""Number of gaps within GAPS_WITHIN that are too many. Engineering choice."""
+GAPS_WITHIN = 10.0
+"""s within which gaps are counted. Engineering choice."""
 FENCE_AHEAD = 1.0
 """m before the vehicle's own fence, which PX4 would act on (engineering choice)."""
 FAR_OFF = 1.0
 """m from the path that a vehicle may be for a while and not for good (engineering choice)."""
 ROTOR_WEAK = 0.65
-"""The share of its thrust that a rotor gives, below which it does not answer, where the turning of the body tells it
-(engineering choice: yaw has no room from there on)."""
-LIFT_SPENT, THRUST_SPENT, SINKING = 0.9, 0.94, 0.8
-"""The ratio below which thrust is named where it is at its limit (of the largest), and the vehicle sinks (m/s). One
-motor at half its thrust comes to this within 0.5 s; a sound vehicle at the bottom of a steep curve sinks at full thrust
-too, but makes it (engineering choice)."""
+"""Share of its thrust that a rotor gives, below which it does not answer, where the turning of the body tells it.
+Engineering choice: yaw has no authority left from there on."""
+LIFT_SPENT = 0.9
+"""Ratio below which thrust is named where it is at its limit and the vehicle sinks. Engineering choice: a sound vehicle
+at the bottom of a steep curve sinks at full thrust too, but makes it."""
+THRUST_SPENT = 0.94
+"""Share of the largest thrust that is its limit. Engineering choice."""
+SINKING = 0.8
+"""m/s of sinking. Engineering choice: one motor at half its thrust comes to this within 0.5 s."""
 
 
 class SafetyInputs(NamedTuple):
@@ -145,13 +155,13 @@ def same_attitude(s: SafetyInputs, limits: Limits) -> str | None:
 def velocity_off(s: SafetyInputs, limits: Limits) -> str | None:
     if s.velocity_off <= VELOCITY_OFF:
         return None
-    return f"the position moves {s.velocity_off:.1f} m/s otherwise than the velocity says"
+    return f"position and velocity disagree by {s.velocity_off:.1f} m/s"
 
 
 def rates_off(s: SafetyInputs, limits: Limits) -> str | None:
     if s.rates_off <= RATES_OFF:
         return None
-    return f"the attitude turns {s.rates_off:.1f} rad/s otherwise than the body rates say"
+    return f"attitude and body rates disagree by {s.rates_off:.1f} rad/s"
 
 
 def clock(s: SafetyInputs, limits: Limits) -> str | None:
@@ -164,22 +174,22 @@ def clock(s: SafetyInputs, limits: Limits) -> str | None:
 def tilt(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.tilt is None or s.tilt <= limits.tilt:
         return None
-    return f"the vehicle leans by {math.degrees(s.tilt):.0f} degrees, more than {math.degrees(limits.tilt):.0f}"
+    return f"the vehicle tilts by {math.degrees(s.tilt):.0f} degrees, more than {math.degrees(limits.tilt):.0f}"
 
 
 def tilt_error(s: SafetyInputs, limits: Limits) -> str | None:
-    # a vehicle that is held does not lean as it is told either; it is to carry on when it is let go
+    # a vehicle that is held does not tilt as commanded either; it is to carry on when it is let go
     if limits.tilt is None or s.tilt_error <= min(TILT_ERROR, limits.tilt) or s.still:
         return None
     cause = _thrust(s, LIFT_LEANS)
-    leans = f"the vehicle leans {math.degrees(s.tilt_error):.0f} degrees otherwise than it is told"
-    return leans if cause is None else f"{leans}, and {cause}"
+    off = f"the tilt is {math.degrees(s.tilt_error):.0f} degrees off the commanded one"
+    return off if cause is None else f"{off}, and {cause}"
 
 
 def rates(s: SafetyInputs, limits: Limits) -> str | None:
     if s.rate_error is None or s.rate_error <= RATE_ERROR or s.turning <= TURNING:
         return None
-    return f"the vehicle turns {s.rate_error:.1f} rad/s otherwise than it is told"
+    return f"the body rates are {s.rate_error:.1f} rad/s off the commanded ones"
 
 
 def turns(s: SafetyInputs, limits: Limits) -> str | None:

@@ -87,11 +87,11 @@ def from_dict(values: dict[str, Any]) -> Conduct:
 
 
 TILT_MARGIN = math.radians(2.0)
-"""rad that our own tilt guard stays under the vehicle's failure detector."""
+"""rad that our own tilt guard stays under the vehicle's failure detector. Engineering choice."""
 CAUGHT_TILT = math.radians(50.0)
-"""rad from which PX4's Hold caught a vehicle on motors twice, falling 0.7 and 1.6 m (xrce.md, section 6)."""
+"""rad from which PX4's Hold caught a vehicle on motors twice, falling 0.7 and 1.6 m. Flown on PX4."""
 OVER = math.radians(5.0)
-"""rad over the tilt that a vehicle may be asked for, where that is more (engineering choice)."""
+"""rad over the tilt that a vehicle may be asked for, where that is more. Engineering choice."""
 
 
 def caught(conduct: Conduct, vehicle: Vehicle) -> Conduct:

@@ -10,7 +10,7 @@ from companion.vehicle import Mode
 ADVICE: dict[Event, str] = {
     Event.STALE: "check the link, then start again",
     Event.STATUS_LOST: "check the link, take the vehicle by remote control, then start again",
-    Event.SILENT: "it goes on by itself as it was told: watch it, take it by remote control, and check the link",
+    Event.SILENT: "it goes on as it was commanded: watch it, take it by remote control, and check the link",
     Event.NOT_OURS: "put it in Hold or Position, or on the ground, then start again",
     Event.LAW_FAILED: "companion check says where the mission cannot be flown",
     Event.TAKEN_OVER: "start again when it is to fly the path",

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from companion.vehicle import Spin, Vehicle
 
 SHAPE_AGREES = 0.15
-"""Of the mean arm, within which a rotor must sit where the vehicle file says (engineering choice: no two rotors of any
-quadrotor are nearer)."""
+"""Ratio to the mean arm, within which a rotor must sit where the vehicle file says. Engineering choice: no two
+rotors of any quadrotor are nearer."""
 COUNT, CURVE = "CA_ROTOR_COUNT", "THR_MDL_FAC"
 
 

@@ -9,22 +9,24 @@ from companion.flight.situation import Reply, Situation
 from companion.vehicle import Landed, Mode
 
 STATE_AGE_MAX = 0.2
-"""s: an older state is none (issue 11, rule 1)."""
+"""s: an older state is none. Issue 11, rule 1."""
 STATUS_LOST_AFTER = 2.5
-"""s without a word about the mode after which setpoints end: with the level ones of an abort within 3 s (rule 2)."""
+"""s without a word about the mode after which setpoints end: with the level ones of an abort within 3 s. Issue 11,
+rule 2."""
 SILENT_AFTER = {
-    **dict.fromkeys((Phase.ARM, Phase.TAKE_OFF), 2.5),
+    **dict.fromkeys((Phase.ARM, Phase.TAKE_OFF), STATUS_LOST_AFTER),
     **dict.fromkeys((Phase.LAND, Phase.RETURN, Phase.RELEASE), 30.0),
 }
 """s without a word about the mode after which nothing more is waited for: while taking off nothing more may be asked
-then; once the vehicle lands by itself, the link may be away behind a tree (engineering choice)."""
+then; once the vehicle lands by itself, the link may be away behind a tree. Engineering choice."""
 ANSWER_WITHIN = 5.0
-"""s after the last of TRIES after which what was neither answered nor done is not going to be."""
+"""s after the last of TRIES after which what was neither answered nor done is not going to be. Engineering choice."""
 DISARMED_FOR = 0.25
 """s after ARM was accepted, or disarming began, from which on a heartbeat that says disarmed was sent later
 (engineering choice: two times the longest way that is flown with)."""
 CONFIRM_WITHIN = 1.5
-"""s after an accepted mode change within which telemetry must show it (the heartbeat alone is 1 Hz)."""
+"""s after an accepted mode change within which telemetry must show it. Engineering choice: PX4's heartbeat alone is
+1 Hz."""
 BEGINS = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN)
 """The phases in which the vehicle does by itself what it was asked for."""
 EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {

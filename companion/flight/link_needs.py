@@ -18,9 +18,10 @@ class LinkNeeds(NamedTuple):
 SLOW_RATE = 12.0
 """Hz of states, of which fewer are not flown by; preflight asks for 20 (engineering choice)."""
 BY_RATE_LOOP = LinkNeeds(delay=0.2, rate=SLOW_RATE)
-"""Where the vehicle's own rate loop stands between. Issue 11: 100 ms each way; beyond it the law leans too far."""
+"""s there and back, and Hz of states, where the vehicle's own rate loop stands between. Issue 11: 100 ms each way;
+beyond it the law tilts too far."""
 WITHOUT_RATE_LOOP = LinkNeeds(delay=0.1, rate=SLOW_RATE)
-"""Where none does. Simulated: later it tumbles."""
+"""s there and back, and Hz of states, where none does. Simulated: later it tumbles."""
 NEEDS = {
     OutputLevel.RATES: BY_RATE_LOOP,
     OutputLevel.ATTITUDE: BY_RATE_LOOP,

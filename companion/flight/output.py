@@ -12,9 +12,11 @@ from dataclasses import dataclass
 
 from companion.vehicle import CompanionError, MotorInterface, OutputLevel, Tuning, Vehicle
 
-LOSS_TIME_MAX, LOSS_TIME_MAX_MOTORS = 0.3, 0.1
-"""s that PX4 may fly a last body rate, and last motor commands. Flown on PX4 when commands stop: at motors 0.3 s cost
-50 degrees, 0.1 s 20 degrees and 5 cm (px4.md, 9)."""
+LOSS_TIME_MAX = 0.3
+"""s that PX4 may fly a last body rate. Engineering choice."""
+LOSS_TIME_MAX_MOTORS = 0.1
+"""s that PX4 may fly last motor commands. Flown on PX4 when commands stop: 0.3 s cost 50 degrees, 0.1 s 20 degrees
+and 5 cm."""
 FLOWN_ON = {
     OutputLevel.RATES: ("the last body rate", LOSS_TIME_MAX),
     OutputLevel.MOTORS: ("the last motor commands", LOSS_TIME_MAX_MOTORS),
@@ -22,18 +24,19 @@ FLOWN_ON = {
 }
 """What PX4 flies on when commands stop, and how long (s) it may."""
 HOVER_APART = 1.6
-"""The factor between two hover thrusts from which on they are not one vehicle's: more than a battery or a payload."""
+"""Ratio of two hover thrusts from which on they are not one vehicle's: more than a battery or a payload makes.
+Engineering choice."""
 HOLD_ON_LOSS = 5
-"""PX4's COM_OBL_RC_ACT: Hold when offboard setpoints are lost."""
+"""Code of PX4's COM_OBL_RC_ACT: Hold when offboard setpoints are lost."""
 SANE_ON_LOSS = {0: "Position", 1: "Altitude", 3: "Return", 4: "Land", 5: "Hold"}
-"""COM_OBL_RC_ACT that hands the vehicle to somebody or something that flies it on."""
+"""Codes of PX4's COM_OBL_RC_ACT that hand the vehicle to somebody or something that flies it on."""
 NOT_ASKED = (
     "rates go over MAVLink, not over XRCE: PX4 then stabilises the vehicle itself and catches it sooner; ask for "
     "motors or torques with --output"
 )
 """Why ``auto`` does not take motors or torques."""
 FATAL_ON_LOSS = {6: "Terminate", 7: "Disarm"}
-"""COM_OBL_RC_ACT by what it does. 2, Stabilized, waits for sticks that may not be there."""
+"""Codes of PX4's COM_OBL_RC_ACT that do not. 2, Stabilized, waits for sticks that may not be there."""
 
 
 NO_LONGER = {
@@ -93,12 +96,12 @@ def direct_refused(vehicle: Vehicle, level: OutputLevel, *, accepted: bool) -> s
 
 def another_vehicle(vehicle: Vehicle, tuning: Tuning) -> str | None:
     """Why the vehicle that answers cannot be the one of the vehicle file: they hover at quite different thrusts."""
-    told = tuning.hover_thrust
+    hover = tuning.hover_thrust
     believed = vehicle.hover_thrust or vehicle.weight / vehicle.thrust_max
-    if not told or 1.0 / HOVER_APART < told / believed < HOVER_APART:
+    if not hover or 1.0 / HOVER_APART < hover / believed < HOVER_APART:
         return None
     return (
-        f"the vehicle hovers at a thrust of {told:.2f} (MPC_THR_HOVER) and {vehicle.name} at {believed:.2f}: another "
+        f"the vehicle hovers at a thrust of {hover:.2f} (MPC_THR_HOVER) and {vehicle.name} at {believed:.2f}: another "
         "mass or other motors; give the vehicle's own file with --vehicle, or set MPC_THR_HOVER"
     )
 
@@ -147,9 +150,9 @@ def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool, ove
     raise CompanionError(f"{reason}; {offer}" + ("" if fatal else ", or fly --output attitude"))
 
 
-def is_longer(told: float, limit: float) -> bool:
+def is_longer(hover: float, limit: float) -> bool:
     """Whether a parameter exceeds a limit, as PX4 holds both: 0.3 reads back as 0.30000001."""
-    return float32(told) > float32(limit)
+    return float32(hover) > float32(limit)
 
 
 def float32(value: float) -> float:

@@ -84,7 +84,7 @@ class Request(enum.Enum):
 
 
 TRIES = 3
-"""times that a request is sent (issue 11, rule 2)."""
+"""Number of times that a request is sent. Issue 11, rule 2."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +115,7 @@ PHASES: dict[Phase, Row] = {
     Phase.REHEARSE: Row(None, 120.0, True),
     Phase.DONE: Row(None, None, False),
 }
-"""What each asks for, its time-out in s (engineering choices), and whether the law steers."""
+"""s, the time-out of each phase, beside what it asks for and whether the law steers. Engineering choice."""
 
 TRANSITIONS: dict[tuple[Phase, Event], Phase] = {
     (Phase.PREFLIGHT, Event.READY_ON_GROUND): Phase.ARM,

@@ -12,19 +12,21 @@ from companion.vehicle import KnownStatus, Landed
 
 STATE_GONE = 0.5
 """s without a new state before the flight (engineering choice)."""
-PACE_MIN, PACE_MAX = 0.3, 5.0
-"""s of the vehicle's clock a second of ours: its stamps are seconds, as fast as a simulator may be told to run. Its
-states arrive up to 0.1 s late, and the pace is first taken over 0.2 s."""
-PACE_KEPT = 0.94
-"""s a second of a clock that is flown with; one that falls behind by more makes every state late (mavlink/clock.py,
-DRIFT_MAX). Only a simulation's does."""
+CLOCK_RATE_MIN = 0.3
+"""Ratio: s of the vehicle's clock a second of ours, at least. Engineering choice: its stamps are seconds; its states
+arrive up to 0.1 s late, and the rate is first taken over 0.2 s."""
+CLOCK_RATE_MAX = 5.0
+"""Ratio, the same at most. Engineering choice: as fast as a simulator may be set to run."""
+CLOCK_RATE_KEPT = 0.94
+"""s a second of a clock that is flown with; one that falls behind by more makes every state late. As DRIFT_MAX of
+mavlink/clock.py; only a simulation's does."""
 RATE_WANTED = 20.0
-"""Hz of states, below which no path is flown."""
+"""Hz of states, below which no path is flown. Engineering choice."""
 
 
-class Standing(NamedTuple):
+class PreflightInputs(NamedTuple):
     """What is known before a flight. ``rate``: Hz of states, None until measured. ``has_state``: one has arrived,
-    ``state_age`` s ago. ``clock_pace``: s of the vehicle's clock a second of ours, None until
+    ``state_age`` s ago. ``clock_rate``: s of the vehicle's clock a second of ours, None until
     measured. ``link_delay``: s, there and back; None until measured;
     ``needs``: of the link, at the level that is flown."""
 
@@ -36,35 +38,35 @@ class Standing(NamedTuple):
     rate: float | None
     companions: int = 0
     state_age: float | None = 0.0
-    clock_pace: float | None = 1.0
+    clock_rate: float | None = 1.0
     link_delay: float | None = None
     needs: LinkNeeds = BY_RATE_LOOP
 
 
-def _state(s: Standing) -> str | None:
+def _state(s: PreflightInputs) -> str | None:
     return None if s.has_state else "no state arrives (ODOMETRY); does the autopilot send it on this link?"
 
 
-def _stamps(s: Standing) -> str | None:
-    pace = s.clock_pace
-    if pace is None:
-        return "the pace of the vehicle's clock is not known yet (the stamps of ODOMETRY)"
-    if PACE_KEPT <= pace < PACE_MAX:
+def _stamps(s: PreflightInputs) -> str | None:
+    rate = s.clock_rate
+    if rate is None:
+        return "the rate of the vehicle's clock is not known yet (the stamps of ODOMETRY)"
+    if CLOCK_RATE_KEPT <= rate < CLOCK_RATE_MAX:
         return None
-    if PACE_MIN < pace < PACE_KEPT:
-        slow = f"the vehicle's clock runs at {pace:.2f} of real time, {PACE_KEPT:g} is the least"
+    if CLOCK_RATE_MIN < rate < CLOCK_RATE_KEPT:
+        slow = f"the vehicle's clock runs at {rate:.2f} of real time, {CLOCK_RATE_KEPT:g} is the least"
         return f"{slow}; the simulation is slower than real time: give it more of the computer"
-    stands = "do not advance" if pace <= 0.0 else f"advance by {pace:.4g} s a second"
+    stands = "do not advance" if rate <= 0.0 else f"advance by {rate:.4g} s a second"
     return f"the stamps of ODOMETRY {stands}; time_usec must be microseconds of the vehicle's clock"
 
 
-def _fresh(s: Standing) -> str | None:
+def _fresh(s: PreflightInputs) -> str | None:
     if s.state_age is None or s.state_age <= STATE_GONE:
         return None
     return f"no new state has come for {s.state_age:.0f} s (ODOMETRY)" if s.state_age >= 1.0 else "no new state comes"
 
 
-def _delay(s: Standing) -> str | None:
+def _delay(s: PreflightInputs) -> str | None:
     if s.link_delay is None or s.link_delay <= s.needs.delay:
         return None
     return (
@@ -73,7 +75,7 @@ def _delay(s: Standing) -> str | None:
     )
 
 
-def _rate(s: Standing) -> str | None:
+def _rate(s: PreflightInputs) -> str | None:
     if s.rate is None:
         return "the rate of states is not known yet (ODOMETRY)"
     if s.rate >= RATE_WANTED:
@@ -81,49 +83,49 @@ def _rate(s: Standing) -> str | None:
     return f"only {s.rate:.0f} states a second arrive, {RATE_WANTED:g} are needed; raise the link's speed (MAV_x_RATE)"
 
 
-def _estimator(s: Standing) -> str | None:
+def _estimator(s: PreflightInputs) -> str | None:
     missing = missing_estimate(s.status.estimator)
     return None if missing is None else f"the estimator does not know its {missing}; wait for GPS or another source"
 
 
-def _battery(s: Standing) -> str | None:
+def _battery(s: PreflightInputs) -> str | None:
     battery = s.status.battery
     if battery is None or s.limits.battery is None or battery >= s.limits.battery:
         return None
     return f"the battery is at {100.0 * battery:.0f} %, below {100.0 * s.limits.battery:.0f} %; charge it"
 
 
-def _alone(s: Standing) -> str | None:
+def _alone(s: PreflightInputs) -> str | None:
     return "another companion speaks on the link; stop it, two cannot fly one vehicle" if s.companions else None
 
 
-def _home(s: Standing) -> str | None:
+def _home(s: PreflightInputs) -> str | None:
     if s.finish is Finish.RETURN and s.limits.home is None:
         return "the vehicle has no home to return to (HOME_POSITION); wait for its GPS, or finish with hold or land"
     return None
 
 
-def _ready(s: Standing) -> str | None:
+def _ready(s: PreflightInputs) -> str | None:
     if s.authority is not ControlAuthority.COMPANION or s.status.ready or s.status.armed:
         return None
     return "the vehicle says it is not ready to arm; see the ground station for its health report"
 
 
-def _landed(s: Standing) -> str | None:
+def _landed(s: PreflightInputs) -> str | None:
     if s.authority is not ControlAuthority.COMPANION or s.status.landed in (Landed.ON_GROUND, Landed.IN_AIR):
         return None
     return "the vehicle does not say whether it stands or flies (EXTENDED_SYS_STATE)"
 
 
-CHECKS: tuple[Callable[[Standing], str | None], ...] = (
+CHECKS: tuple[Callable[[PreflightInputs], str | None], ...] = (
     _state, _alone, _stamps, _fresh, _rate, _delay, _estimator, _battery, _home, _ready, _landed,
 )  # fmt: skip
 
 
-def missing(standing: Standing) -> str | None:
+def missing(inputs: PreflightInputs) -> str | None:
     """The first thing that is not there, in words; None: the flight may begin."""
     for check in CHECKS:
-        reason = check(standing)
+        reason = check(inputs)
         if reason is not None:
             return reason
     return None

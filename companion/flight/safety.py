@@ -38,7 +38,6 @@ MEND_LINK = "mend the link: antennas, range, another radio; or ask for fewer sta
 LINK_ADVICE = frozenset({RAISE_SPEED, MEND_LINK})
 """What is advised where the link is to blame."""
 
-# each with the s it must last (engineering choices)
 ROWS: tuple[Row, ...] = (
     Row(
         "the estimator has lost attitude, velocity, position or height",
@@ -69,14 +68,14 @@ ROWS: tuple[Row, ...] = (
         "see the estimator's log",
     ),
     Row(
-        f"the position moves {conditions.VELOCITY_OFF:g} m/s otherwise than the velocity says",
+        f"position and velocity disagree by {conditions.VELOCITY_OFF:g} m/s",
         conditions.velocity_off,
         0.15,
         Action.ABORT,
         "see the estimator's log",
     ),
     Row(
-        f"the attitude turns {conditions.RATES_OFF:g} rad/s otherwise than the body rates say",
+        f"attitude and body rates disagree by {conditions.RATES_OFF:g} rad/s",
         conditions.rates_off,
         0.15,
         Action.ABORT,
@@ -90,21 +89,21 @@ ROWS: tuple[Row, ...] = (
         "see whether the autopilot restarted, then start again",
     ),
     Row(
-        f"the lean comes within {math.degrees(TILT_MARGIN):g} degrees of the vehicle's failure detector",
+        f"the tilt comes within {math.degrees(TILT_MARGIN):g} degrees of the vehicle's failure detector",
         conditions.tilt,
         0.15,
         Action.ABORT,
         "land it and look at motors and propellers, or fly slower",
     ),
     Row(
-        f"the vehicle leans {math.degrees(conditions.TILT_ERROR):.0f} degrees otherwise than it is told",
+        f"the tilt is {math.degrees(conditions.TILT_ERROR):.0f} degrees off the commanded one",
         conditions.tilt_error,
         0.4,
         Action.ABORT,
         "land it and look at motors and propellers",
     ),
     Row(
-        f"the vehicle turns {conditions.RATE_ERROR:g} rad/s otherwise than it is told",
+        f"the body rates are {conditions.RATE_ERROR:g} rad/s off the commanded ones",
         conditions.rates,
         0.4,
         Action.ABORT,
@@ -119,7 +118,7 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         f"under {100.0 * conditions.LIFT_GONE:g} % of the thrust that is commanded comes, or under "
-        f"{100.0 * conditions.LIFT_ASTRAY:g} % while it turns {conditions.RATE_ASTRAY:g} rad/s otherwise than told",
+        f"{100.0 * conditions.LIFT_ASTRAY:g} % while the rates are {conditions.RATE_ASTRAY:g} rad/s off",
         conditions.thrust_gone,
         0.1,
         Action.ABORT,
@@ -203,6 +202,7 @@ ROWS: tuple[Row, ...] = (
     ),
     Row("another companion speaks on the link", conditions.others, 0.0, Action.HAND_BACK, "stop the other companion"),
 )
+"""s, how long each condition must last, beside what is done then. Engineering choice."""
 
 _BREACHED = tuple(row.breached for row in ROWS)
 
@@ -222,9 +222,9 @@ class Verdict(NamedTuple):
 NO_FAULT = Verdict(Action.NONE, None)
 
 
-def watched(since: Since, sight: SafetyInputs, limits: Limits, now: float) -> tuple[Since, Verdict]:
+def update_breaches(since: Since, inputs: SafetyInputs, limits: Limits, now: float) -> tuple[Since, Verdict]:
     """Look at every row: since when each is breached, and the verdict."""
-    reasons = [breached(sight, limits) for breached in _BREACHED]
+    reasons = [breached(inputs, limits) for breached in _BREACHED]
     if not any(reasons):
         return NOTHING_SINCE, NO_FAULT
     later: list[float | None] = []

@@ -7,7 +7,7 @@ from companion.flight.phases import PHASES, Phase
 from companion.flight.situation import Situation
 
 HEARD_WITHIN = 2.5
-"""s without a word about the mode from which on the vehicle counts as silent here."""
+"""s without a word about the mode from which on the vehicle counts as silent here. Engineering choice."""
 
 
 def waited_for(s: Situation) -> str | None:

@@ -21,8 +21,8 @@ from companion.law.lie import linear_feedback, linearise, solve
 from companion.law.motion import Model, Motion
 
 SINGULAR = 1e-9
-"""How near to a singularity a state may come before it is called singular: of cos(phi), cos(theta), zeta in N, and the
-sine of the angle between the gradients. Engineering choice: a million times rounding."""
+"""Cosine of phi and theta, N of zeta, sine of the angle between the gradients: how near to a singularity a state may
+come before it is called singular. Engineering choice: a million times rounding."""
 
 
 STATE_NAMES = ("x", "y", "z", "psi", "theta", "phi", "u", "v", "w", "p", "q", "r", "zeta", "zeta_dot")

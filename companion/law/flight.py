@@ -36,9 +36,10 @@ from companion.profiles import ConstantYaw, SpeedOverArc, StoppingSpeed, Yaw, Ya
 from companion.vehicle import Vehicle
 
 ZERO3: Vec3 = (0.0, 0.0, 0.0)
-"""A vector of zeros, of any unit."""
+"""N, m/s or rad/s: a vector of zeros. By definition."""
 REGULARITY_MIN = 1e-4
-"""The least regularity (see Command) at which the law is evaluated. Engineering choice: rounding is 1e-12 of it."""
+"""Ratio: the least regularity (see Command) at which the law is evaluated. Engineering choice: rounding is 1e-12 of
+it."""
 
 
 class Flying(NamedTuple):
@@ -206,8 +207,10 @@ def implicit_law(
     known = outputs(specification, known_motion(level, model, motion), factor)
     wanted = wanted_derivative(known, level, gains, bounds)
     sine = known.grad1.cross(known.grad2).norm() / (known.grad1.norm() * known.grad2.norm())
-    told = (*known.mu.components(), known.mu @ motion.V, known.alpha)
-    step = finished(tape, level, model, motion, gains, bounds, wanted, told, known.beta, specification.heading, sine)
+    reported = (*known.mu.components(), known.mu @ motion.V, known.alpha)
+    step = finished(
+        tape, level, model, motion, gains, bounds, wanted, reported, known.beta, specification.heading, sine
+    )
     return ImplicitLaw(step, over_arc)
 
 
@@ -234,13 +237,13 @@ def curve_law(
             Taylor(column) * forward for column in zip(*(v.components() for v in _taylor(seen.T)), strict=True)
         )
         beta = yaw.value({}, seen.gamma, travel)
-    told = (*seen.T[0].components(), seen.vT[0], alpha.c[0])
-    step = finished(tape, level, model, motion, gains, bounds, wanted, told, beta, kind, seen.Q)
+    reported = (*seen.T[0].components(), seen.vT[0], alpha.c[0])
+    step = finished(tape, level, model, motion, gains, bounds, wanted, reported, beta, kind, seen.Q)
     return CurveLaw(step, curve, speed, yaw, bounds is not None)
 
 
 _NO_YAW = (0.0, 0.0, 0.0, 0.0)
-"""rad and its three derivatives over arc length: the heading of a path that asks for none."""
+"""rad and its three derivatives over arc length: the heading of a path that asks for none. By definition."""
 
 
 def _taylor(derivatives: tuple[Vector, ...]) -> tuple[Vector, ...]:

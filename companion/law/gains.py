@@ -75,23 +75,23 @@ PATH_POLES = {Level.MOTORS: (-5.0,) * 4, Level.RATES: (-5.0,) * 3}
 """1/s, of h1 and h2 where a mission gives no gains. Flights on PX4's simulated quadrotor at -3 to -10: fast enough to
 stay linear, at most 0.4 of the pole at which the delays make it unstable."""
 SPEED_POLES = {Level.MOTORS: (-3.0,) * 3, Level.RATES: (-2.5,) * 2}
-"""1/s, of h3. Same flights: -1.5 to -4 make no difference to the path."""
+"""1/s, of h3. Simulated in the same flights: -1.5 to -4 make no difference to the path."""
 YAW_POLES = {Level.MOTORS: (-2.0,) * 2, Level.RATES: (-2.25,)}
 """1/s, of h4. Engineering choice: slower than PX4's yaw loop (MC_YAW_P 2.8)."""
 
 
 AUTO_POLE_TIME = 0.5
-"""Path poles chosen for a flight times the horizon of the prediction. A triple pole at -L crosses over at 3 L, and of
-a horizon a third is counted on to be wrong: 3 L h / 3 = 0.5 rad of phase lost, of about 60 deg that a triple pole has.
-"""
+"""rad: path poles chosen for a flight times the horizon of the prediction. Engineering choice: a triple pole at -L
+crosses over at 3 L, and of a horizon a third is counted on to be wrong: 3 L h / 3 = 0.5 rad of phase lost, of about
+60 deg that a triple pole has."""
 AUTO_POLE_RANGE = (4.0, 6.0)
-"""1/s. Flown on sih_noisy, 40 s at 3 m/s: -5 2.8 cm, -6 2.4, -7 2.1, -8 1.9; heading 0.7, 0.9, 1.2, 2.0 deg; commands
-shake by 2.2, 3.1, 4.0, 5.2 deg/s. -6 is where the heading is still held to a degree."""
+"""1/s. Simulated on sih_noisy, 40 s at 3 m/s: -5 2.8 cm, -6 2.4, -7 2.1, -8 1.9; heading 0.7, 0.9, 1.2, 2.0 deg;
+commands shake by 2.2, 3.1, 4.0, 5.2 deg/s. -6 is where the heading is still held to a degree."""
 
 
 BODY_POLE_TIME = 0.8
-"""The fourth pole at motors, which stands for the vehicle's rate loop, times the horizon of the prediction. On PX4's
-simulated quadrotor (motor lag 50 ms) that is its rate loop's own lag: -14."""
+"""Ratio: the fourth pole at motors, which stands for the vehicle's rate loop, times the horizon of the prediction.
+On PX4's simulated quadrotor (motor lag 50 ms) that is its rate loop's own lag: -14."""
 BODY_POLE_RANGE = (6.0, 14.0)
 """1/s. Flown on sih_noisy, 40 s at 3 m/s, path poles -6: -14 2.8 cm, -20 2.7; with four at -5 4.1 cm. At 14
 states a second the loop is stable with -14, and hardly with -20."""

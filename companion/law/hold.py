@@ -25,7 +25,7 @@ from companion.law.motion import Model
 from companion.law.recording import finished, inputs, known_motion
 
 NO_SCALES = (0.0, 0.0, 0.0, 1.0)
-"""Of the speed and of the path poles, which a point does not have."""
+"""Factors on the speed and on the path poles, which a point does not have. By definition."""
 ACCELERATION_MAX = 4.0
 """m/s^2 of braking and of setting off. Engineering choice: 22 degrees of tilt."""
 
@@ -66,9 +66,9 @@ def hold_law(
     errors = errors - A * k2
     derivative = errors - jerk[0] * rest[0] if jerk else errors
     beta = Taylor((yaw, 0.0, 0.0))
-    told: tuple[Scalar, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    reported: tuple[Scalar, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
     wanted = Wanted(derivative, errors / k2)
-    return HoldLaw(finished(tape, level, model, motion, gains, bounds, wanted, told, beta, kind, 1.0))
+    return HoldLaw(finished(tape, level, model, motion, gains, bounds, wanted, reported, beta, kind, 1.0))
 
 
 def _within(vector: Vector, most: float) -> Vector:

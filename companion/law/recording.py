@@ -50,7 +50,7 @@ def known_motion(level: Level, model: Model, motion: Motion) -> tuple[Vector, ..
 
 def finished(
     tape: Tape, level: Level, model: Model, motion: Motion, gains: Gains, bounds: Bounds | None,
-    wanted: Wanted, told: tuple[Scalar, ...], beta: Taylor, kind: Heading, regularity: Scalar,
+    wanted: Wanted, reported: tuple[Scalar, ...], beta: Taylor, kind: Heading, regularity: Scalar,
 ) -> Function:  # fmt: skip
     """From the wanted derivative of the position to thrust and turning, by flatness; and what the flight reports."""
     psi, rate = heading(motion.R, kind), HeadingRate(motion.R, kind)
@@ -71,5 +71,6 @@ def finished(
     lift = motion.R.e3 * (motion.zeta / model.m) - wanted.missing
     aligned = (lift @ motion.R.e3) / maximum(lift.norm(), WEIGHTLESS)
     return tape.function(
-        level.name.lower(), [zeta_derivative, *turn.components(), *told, psi, beta.derivative(0), regularity, aligned]
+        level.name.lower(),
+        [zeta_derivative, *turn.components(), *reported, psi, beta.derivative(0), regularity, aligned],
     )

@@ -33,6 +33,6 @@ class SpeedScale(NamedTuple):
 UNITY = SpeedScale()
 """The mission's own speed."""
 STANDSTILL = SpeedScale(0.0)
-"""No speed."""
+"""Factor 0: no speed. By definition."""
 BACKWARDS = SpeedScale(-1.0)
-"""The path flown against its direction."""
+"""Factor -1: the path flown against its direction. By definition."""

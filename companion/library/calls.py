@@ -13,7 +13,7 @@ from companion.feasibility.auto import flyable
 from companion.feasibility.document import as_document
 from companion.feasibility.report import Report
 from companion.feasibility.words import headline, in_words
-from companion.geodesy import NOTHING_TOLD
+from companion.geodesy import NO_HOME_GIVEN
 from companion.law.gains import Level
 from companion.library.checking import STILL, checked, in_world
 from companion.library.files import InputFile, MissionFile, VehicleFile, WorldFile
@@ -22,7 +22,7 @@ from companion.library.laws import ControlLaw
 from companion.library.orders import (
     Faults,
     bare_from,
-    home_told,
+    given_home,
     simulated_from,
     sortie_from,
     source_of,
@@ -123,14 +123,16 @@ def _flight_of(asked: Asked) -> SimulatedFlight:
     output = faults.collect(lambda: _output(asked.output))
     world = faults.collect(lambda: _source(asked.world, WorldFile))
     simulated = None if world is None else faults.collect(lambda: simulated_from(world, asked.seed, asked.home))
-    told = NOTHING_TOLD if simulated is None else faults.collect(lambda: home_told(asked.home, simulated.world))
+    given = NO_HOME_GIVEN if simulated is None else faults.collect(lambda: given_home(asked.home, simulated.world))
     mission = faults.collect(lambda: _with_gains(asked.mission, asked.gains))
     vehicle = faults.collect(lambda: _vehicle(asked.vehicle, mission))
     if asked.duration is not None and not asked.duration >= 0.1:
         faults.add(Fault("duration", 0, "", f"{asked.duration:g} is too short; expected at least 0.1 s"))
     if asked.record is not None:
         faults.collect(lambda: refuse_used(asked.record))  # type: ignore[arg-type]
-    sortie = sortie_from(mission, vehicle, output or Output.AUTO, direct=True, told=told or NOTHING_TOLD, faults=faults)
+    sortie = sortie_from(
+        mission, vehicle, output or Output.AUTO, direct=True, given=given or NO_HOME_GIVEN, faults=faults
+    )
     assert simulated is not None
     try:
         sortie = replace(sortie, mission=flyable(sortie.mission, sortie.vehicle))
@@ -163,10 +165,10 @@ def check(
     simulated = None
     if world is not None:
         simulated = faults.collect(lambda: simulated_from(_source(world, WorldFile), 0))
-    told = faults.collect(lambda: home_told(home, None if simulated is None else simulated.world))
+    given = faults.collect(lambda: given_home(home, None if simulated is None else simulated.world))
     read = faults.collect(lambda: _source(mission, MissionFile))
     machine = faults.collect(lambda: _vehicle(vehicle, read))
-    sortie = sortie_from(read, machine, level or Output.AUTO, direct=True, told=told or NOTHING_TOLD, faults=faults)
+    sortie = sortie_from(read, machine, level or Output.AUTO, direct=True, given=given or NO_HOME_GIVEN, faults=faults)
     sortie, air = in_world(sortie, None if simulated is None else simulated.world)
     sortie, found = checked(sortie, STILL if air is None else air.wind_n)
     places = place_words(sortie.mission, Origin.TAKEOFF)

@@ -81,7 +81,7 @@ class Flight:
     @property
     def followed(self) -> dict[str, NDArray[np.float64]]:
         """The part that follows the path, one array a quantity: ``t`` (s of following), path_error, speed_error, ..."""
-        return self._evidence.told
+        return self._evidence.estimated
 
     @cached_property
     def xi(self) -> Signals:

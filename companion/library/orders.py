@@ -16,7 +16,7 @@ from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import vehicle_from
 from companion.config.world.world import home_from, world_from
 from companion.daemon.port import AddressError
-from companion.geodesy import NOTHING_TOLD, HomeTold
+from companion.geodesy import NO_HOME_GIVEN, GivenHome
 from companion.law.gains import Level
 from companion.library.output import Output
 from companion.mission import Mission
@@ -71,23 +71,28 @@ class Faults:
 
 
 def read_sortie(
-    mission_name: str, vehicle_name: str | None, output: Output, *, direct: bool = False, told: HomeTold = NOTHING_TOLD
+    mission_name: str,
+    vehicle_name: str | None,
+    output: Output,
+    *,
+    direct: bool = False,
+    given: GivenHome = NO_HOME_GIVEN,
 ) -> Sortie:
     """The mission and the vehicle of a command line.
 
     The vehicle is ``--vehicle``, else the mission's own, else x500. ``direct``: nothing is flown but a simulation, so
     ``--output motors`` treats the vehicle as if its file said ``motors: direct``, and gains slower than advised are
-    noted. ``told``: of home, beside the mission's file. ConfigError with the faults of both files.
+    noted. ``given``: of home, beside the mission's file. ConfigError with the faults of both files.
     """
     faults = Faults()
     mission = faults.collect(lambda: source_of(mission_name, "missions"))
     vehicle = faults.collect(lambda: vehicle_source(vehicle_name, mission))
-    return sortie_from(mission, vehicle, output, direct=direct, told=told, faults=faults)
+    return sortie_from(mission, vehicle, output, direct=direct, given=given, faults=faults)
 
 
 def sortie_from(
     mission_text: Source | None, vehicle_text: Source | None, output: Output, *, direct: bool = False,
-    told: HomeTold = NOTHING_TOLD, faults: Faults | None = None,
+    given: GivenHome = NO_HOME_GIVEN, faults: Faults | None = None,
 ) -> Sortie:  # fmt: skip
     """See ``read_sortie``. None: a file that could not be read, whose ``faults`` are known already."""
     faults = faults or Faults()
@@ -100,7 +105,9 @@ def sortie_from(
     mission = None
     if mission_text is not None:
         law = None if level is None else law_level(level)
-        mission = faults.collect(lambda: mission_from(mission_document(mission_text), law, told=told, simulated=direct))
+        mission = faults.collect(
+            lambda: mission_from(mission_document(mission_text), law, given=given, simulated=direct)
+        )
     faults.raise_any()
     assert mission is not None and vehicle is not None and level is not None
     assert mission_text is not None and vehicle_text is not None
@@ -136,13 +143,13 @@ def bare_from(
     return mission, vehicle
 
 
-def home_told(option: str | None, world: World | None = None) -> HomeTold:
+def given_home(option: str | None, world: World | None = None) -> GivenHome:
     """What ``--home`` says; else how high the home of a simulated ``world`` lies, where that has one of its own.
     ConfigError with every fault."""
     if option is not None:
         home = home_from(option, "--home")
-        return HomeTold(home.latitude, home.longitude, home.altitude)
-    return NOTHING_TOLD if world is None or world.home == Home() else HomeTold(altitude=world.home.altitude)
+        return GivenHome(home.latitude, home.longitude, home.altitude)
+    return NO_HOME_GIVEN if world is None or world.home == Home() else GivenHome(altitude=world.home.altitude)
 
 
 def read_world(name: str, seed: int, home: str | None = None) -> Simulated:

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 from companion import pilot
 from companion.daemon.conductor import Conductor
-from companion.daemon.last_resort import LastResort, told
-from companion.daemon.whereabouts import whereabouts
+from companion.daemon.last_resort import LastResort, error_words
+from companion.daemon.vehicle_words import describe_vehicle
 from companion.record.folder import Recorder
 from companion.record.summary import summary
 from companion.record.table import Table, read_table
@@ -37,7 +37,7 @@ def reason_of(conductor: Conductor, ended: Ended) -> str:
     mode = conductor.telemetry.status.last.mode
     reason = None if conductor.memory is None else pilot.epilogue(conductor.memory, mode)
     reason = reason or conductor.refusal or "the flight ended before it was finished"
-    where = whereabouts(conductor, ended.now) if ended.stopped else None
+    where = describe_vehicle(conductor, ended.now) if ended.stopped else None
     return reason if where is None else f"{reason}: {where}"
 
 
@@ -66,7 +66,7 @@ def figures_of(conductor: Conductor, recorder: Recorder, settle: float, reason: 
             figures = summary(plan, table, truth, settle, outcome, reason, str(directory), recorder.simulation)
     except Exception as error:  # the outcome is known without them
         recorder.keep_failure(traceback.format_exc())
-        figures["notes"].append(f"the figures could not be computed ({told(error)}); send in the flight folder")
+        figures["notes"].append(f"the figures could not be computed ({error_words(error)}); send in the flight folder")
     figures["notes"] += recorder.losses + notes_of_the_link(conductor)
     recorder.keep("summary.json", json.dumps(figures, indent=2) + "\n")
     return figures

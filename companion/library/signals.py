@@ -38,7 +38,7 @@ def xi_names(level: Level) -> tuple[str, ...]:
     return tuple(name + "'" * k for name, degree in degrees for k in range(degree))
 
 
-def xi_of(plan: Plan, told: dict[str, Array]) -> Signals:
+def xi_of(plan: Plan, estimated: dict[str, Array]) -> Signals:
     """xi (Eq. 8) at every followed state, as the vehicle told it; nan where the law is not defined, h4 wrapped.
 
     CompanionError: the path is a curve, which has no h1 and h2.
@@ -51,42 +51,44 @@ def xi_of(plan: Plan, told: dict[str, Array]) -> Signals:
     level = law_level(plan.level)
     law = bare_law(plan.mission.specification(plan.direction), level, model_of(plan.vehicle), default_gains(level))
     names, wanted = xi_names(level), state_names(level)
-    rows = np.full((len(told["t"]), len(names)), np.nan)
-    for i, chi in enumerate(_states(told, wanted)):
+    rows = np.full((len(estimated["t"]), len(names)), np.nan)
+    for i, chi in enumerate(_states(estimated, wanted)):
         try:
             rows[i] = law(chi.tolist()).xi
         except LawError:
             continue
         rows[i, names.index("h4")] = wrap(float(rows[i, names.index("h4")]))
-    return Signals(told["t"], rows, names)
+    return Signals(estimated["t"], rows, names)
 
 
-def u_of(plan: Plan, told: dict[str, Array]) -> Signals:
+def u_of(plan: Plan, estimated: dict[str, Array]) -> Signals:
     """What the vehicle was told. At rates zeta_dot (N/s, before thrust limits), p, q, r (rad/s); at motors and torques
     zeta (N) and the moments u2, u3, u4 (N m); at attitude the quaternion and the normalised thrust."""
-    sent = [told[f"sent_{i}"] for i in range(5)]
+    sent = [estimated[f"sent_{i}"] for i in range(5)]
     if plan.level is OutputLevel.MOTORS:
         allocation = Allocation(plan.vehicle)
         commands = np.stack(sent[:4], axis=1)
         wrenches = [allocation.wrench((a, b, c, d)) for a, b, c, d in commands.tolist()]
-        return Signals(told["t"], np.array(wrenches).reshape(-1, 4), ("zeta", "u2", "u3", "u4"))
+        return Signals(estimated["t"], np.array(wrenches).reshape(-1, 4), ("zeta", "u2", "u3", "u4"))
     if plan.level is OutputLevel.TORQUES:
         mixer = Px4Allocation(plan.vehicle)
         wrenches = [mixer.wrench((x, y, z), t) for x, y, z, t in np.stack(sent[:4], axis=1).tolist()]
-        return Signals(told["t"], np.array(wrenches).reshape(-1, 4), ("zeta", "u2", "u3", "u4"))
+        return Signals(estimated["t"], np.array(wrenches).reshape(-1, 4), ("zeta", "u2", "u3", "u4"))
     if plan.level is OutputLevel.RATES:
-        return Signals(told["t"], np.stack([told["zeta_dot"], *sent[:3]], axis=1), ("zeta_dot", "p", "q", "r"))
-    return Signals(told["t"], np.stack(sent, axis=1), ("q_w", "q_x", "q_y", "q_z", "thrust"))
+        return Signals(
+            estimated["t"], np.stack([estimated["zeta_dot"], *sent[:3]], axis=1), ("zeta_dot", "p", "q", "r")
+        )
+    return Signals(estimated["t"], np.stack(sent, axis=1), ("q_w", "q_x", "q_y", "q_z", "thrust"))
 
 
-def _states(told: dict[str, Array], names: tuple[str, ...]) -> Array:
+def _states(estimated: dict[str, Array], names: tuple[str, ...]) -> Array:
     """The extended states (``state_names``), one a row."""
     columns = {
-        "x": told["north"], "y": told["east"], "z": told["down"],
-        "u": told["v_north"], "v": told["v_east"], "w": told["v_down"],
-        **{name: told[name] for name in ("p", "q", "r", "zeta", "zeta_dot")},
+        "x": estimated["north"], "y": estimated["east"], "z": estimated["down"],
+        "u": estimated["v_north"], "v": estimated["v_east"], "w": estimated["v_down"],
+        **{name: estimated[name] for name in ("p", "q", "r", "zeta", "zeta_dot")},
     }  # fmt: skip
-    attitude = np.stack([told[f"q_{axis}"] for axis in "wxyz"], axis=1)
+    attitude = np.stack([estimated[f"q_{axis}"] for axis in "wxyz"], axis=1)
     angles = [euler_from_rotation(rotation_matrix((w, x, y, z))) for w, x, y, z in attitude.tolist()]
     columns["psi"], columns["theta"], columns["phi"] = np.array(angles).reshape(-1, 3).T
     return np.stack([columns[name] for name in names], axis=1)

@@ -22,8 +22,8 @@ STOOD_FOR = 1.0
 """s of nothing but late states after which a vehicle that has not begun to fly was started anew: see ``restart``."""
 LATE = 0.5
 """s: from here on a state counts as one of another clock while nothing flies."""
-PACE_OVER, PACE_FIRST = 2.0, 0.1
-"""s over which the pace of the vehicle's clock is taken, and after which it is known for the first time."""
+RATE_OVER, RATE_FIRST = 2.0, 0.1
+"""s over which the rate of the vehicle's clock is taken, and after which it is known for the first time."""
 
 BEHIND_FROM = 0.5
 """s a second from which on a clock may be one that falls behind; slower stamps have another unit (engineering choice).
@@ -32,12 +32,12 @@ BEHIND_FROM = 0.5
 
 @dataclass(slots=True)
 class VehicleClock:
-    """One vehicle's clock. ``pace``: s of it a second of ours, None until measured; below 1 only as far as TIMESYNC
+    """One vehicle's clock. ``rate``: s of it a second of ours, None until measured; below 1 only as far as TIMESYNC
     proves it, since states that come later and later look the same. ``may_restart``: nothing flies, so
     a vehicle whose clock begins anew is taken again. ``restarts``: how often that was. ``may_stand``: a simulated
     vehicle whose clock stands until its first setpoint; what passes until then is no lateness."""
 
-    pace: float | None = None
+    rate: float | None = None
     may_restart: bool = True
     restarts: int = 0
     may_stand: bool = False
@@ -47,7 +47,7 @@ class VehicleClock:
     _floor: float = -math.inf
     _floor_at: float = -math.inf
     _late_since: float | None = None
-    _pace_from: tuple[float, float] | None = None
+    _rate_from: tuple[float, float] | None = None
     _fallen: float = 0.0  # s a second that TIMESYNC proves it to fall behind
     _fallen_from: tuple[float, float] | None = None
 
@@ -82,7 +82,7 @@ class VehicleClock:
         self.restarts += 1
         self._best, self._at = math.inf, -math.inf
         self._floor = self._floor_at = -math.inf
-        self._late_since = self._pace_from = self._fallen_from = self.pace = None
+        self._late_since = self._rate_from = self._fallen_from = self.rate = None
         self._fallen = 0.0
 
     def synchronise(self, sent: float, answered: float, now: float) -> None:
@@ -90,7 +90,7 @@ class VehicleClock:
         floor = sent - answered
         if self._fallen_from is None:
             self._fallen_from = (floor, now)
-        elif now - self._fallen_from[1] >= PACE_OVER:
+        elif now - self._fallen_from[1] >= RATE_OVER:
             self._fallen = max(0.0, (floor - self._fallen_from[0]) / (now - self._fallen_from[1]))
             self._fallen_from = (floor, now)
         if self._floor == -math.inf:
@@ -102,12 +102,12 @@ class VehicleClock:
 
     def _measure(self, t_boot: float, now: float) -> None:
         """How fast the vehicle's clock runs."""
-        if self._pace_from is None:
-            self._pace_from = (t_boot, now)
+        if self._rate_from is None:
+            self._rate_from = (t_boot, now)
             return
-        stamp, at = self._pace_from
-        if now - at >= PACE_FIRST:
-            pace = (t_boot - stamp) / (now - at)
-            self.pace = max(pace, 1.0 - self._fallen) if BEHIND_FROM < pace < 1.0 else pace
-            if now - at >= PACE_OVER:
-                self._pace_from = (t_boot, now)
+        stamp, at = self._rate_from
+        if now - at >= RATE_FIRST:
+            rate = (t_boot - stamp) / (now - at)
+            self.rate = max(rate, 1.0 - self._fallen) if BEHIND_FROM < rate < 1.0 else rate
+            if now - at >= RATE_OVER:
+                self._rate_from = (t_boot, now)

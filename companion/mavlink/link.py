@@ -18,6 +18,7 @@ from companion.mavlink.requests import COMMAND_LONG, Command, Requests, request
 from companion.mavlink.signing import Signing
 from companion.mavlink_common import (
     MAV_AUTOPILOT_INVALID,
+    MAV_AUTOPILOT_PX4,
     MAV_COMP_ID_AUTOPILOT1,
     MAV_COMP_ID_CAMERA,
     MAV_COMP_ID_ONBOARD_COMPUTER,
@@ -32,9 +33,6 @@ TIMESYNC = message("TIMESYNC")
 AUTOPILOT_VERSION = message("AUTOPILOT_VERSION")
 STATUSTEXT = message("STATUSTEXT")
 WANTED = frozenset({HEARTBEAT.id, COMMAND_ACK.id, TIMESYNC.id, AUTOPILOT_VERSION.id, STATUSTEXT.id})
-
-AUTOPILOT_PX4 = 12
-"""MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET."""
 
 HEARTBEAT_PERIOD = 1.0
 """s, by the MAVLink specification."""
@@ -114,7 +112,7 @@ class Link:
     @property
     def is_px4(self) -> bool:
         """Whether the autopilot that answered is PX4."""
-        return self.identity is not None and self.identity.autopilot == AUTOPILOT_PX4
+        return self.identity is not None and self.identity.autopilot == MAV_AUTOPILOT_PX4
 
     def companions(self, now: float) -> int:
         """How many others of our kind were heard of late, in the vehicle's own system."""
@@ -170,7 +168,7 @@ class Link:
             due += (self._timesync_at + TIMESYNC_PERIOD, self.requests.next_timer())
         return min(due)
 
-    def met_again(self, now: float) -> None:
+    def on_new_source(self, now: float) -> None:
         """The vehicle was met at another source: it may have been started again, so everything is asked once more."""
         if self.identity is not None and not self.peers.flying:
             self._introduce(now)

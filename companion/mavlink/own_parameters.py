@@ -11,12 +11,13 @@ from dataclasses import dataclass, field
 
 from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink_common import (
+    MAV_PARAM_TYPE_REAL32,
+)
 
 LIST, READ, SET = message("PARAM_REQUEST_LIST"), message("PARAM_REQUEST_READ"), message("PARAM_SET")
 VALUE = message("PARAM_VALUE")
 WANTED = frozenset({LIST.id, READ.id, SET.id})
-REAL32 = 9
-"""MAV_PARAM_TYPE_REAL32."""
 EVERYBODY = 0
 """The target system 0."""
 
@@ -44,26 +45,26 @@ class OwnParameters:
         """Answer a frame that is meant for us, ``system`` being our vehicle's. A line for people where one was set."""
         if frame.format.id not in WANTED:
             return None
-        told = frame.format.named(frame.values)
-        if told["target_system"] != system or told["target_component"] not in (self.component, EVERYBODY):
+        values = frame.format.named(frame.values)
+        if values["target_system"] != system or values["target_component"] not in (self.component, EVERYBODY):
             return None
         if frame.format is LIST:
             for name in self.named:
                 self._tell(name)
             return None
-        name = told["param_id"]
-        if frame.format is READ and 0 <= told["param_index"] < len(self.named):
-            name = list(self.named)[told["param_index"]]
+        name = values["param_id"]
+        if frame.format is READ and 0 <= values["param_index"] < len(self.named):
+            name = list(self.named)[values["param_index"]]
         own = self.named.get(name)
         if own is None:
             return None
         note = None
-        if frame.format is SET and math.isfinite(told["param_value"]):
+        if frame.format is SET and math.isfinite(values["param_value"]):
             names, why = self.locked
             if name in names:
                 note = f"{name} stays {own.value:g}: {why}"
             else:
-                own.value = min(max(told["param_value"], own.low), own.high)
+                own.value = min(max(values["param_value"], own.low), own.high)
                 note = f"{name} set to {own.value:g} by the ground station"
         self._tell(name)
         return note
@@ -72,5 +73,5 @@ class OwnParameters:
         index = list(self.named).index(name)
         self.send(VALUE, VALUE.values(
             param_value=self.named[name].value, param_count=len(self.named), param_index=index, param_id=name,
-            param_type=REAL32,
+            param_type=MAV_PARAM_TYPE_REAL32,
         ))  # fmt: skip

@@ -14,6 +14,15 @@ from typing import NamedTuple
 
 from companion.mavlink.codec import MAGIC_V2, Frame
 from companion.mavlink.dialect import Format, Value, message
+from companion.mavlink_common import (
+    MAV_PARAM_TYPE_INT8,
+    MAV_PARAM_TYPE_INT16,
+    MAV_PARAM_TYPE_INT32,
+    MAV_PARAM_TYPE_REAL32,
+    MAV_PARAM_TYPE_UINT8,
+    MAV_PARAM_TYPE_UINT16,
+    MAV_PARAM_TYPE_UINT32,
+)
 from companion.vehicle import Tuning
 
 READ, SET, VALUE, ERROR = (
@@ -23,10 +32,11 @@ RAW_SET = Format(SET.id, SET.name, "<4sBB16sB", dict.fromkeys(SET.fields, 0), SE
 """PARAM_SET with its value as bytes: an integer's bits in a float may be a NaN that arithmetic would change."""
 WANTED = frozenset({VALUE.id, ERROR.id})
 
-INT_TYPES = {1: "B", 2: "b", 3: "H", 4: "h", 5: "I", 6: "i"}
+INT_TYPES = {
+    MAV_PARAM_TYPE_UINT8: "B", MAV_PARAM_TYPE_INT8: "b", MAV_PARAM_TYPE_UINT16: "H", MAV_PARAM_TYPE_INT16: "h",
+    MAV_PARAM_TYPE_UINT32: "I", MAV_PARAM_TYPE_INT32: "i",
+}  # fmt: skip
 """MAV_PARAM_TYPE to struct's codes."""
-REAL32 = 9
-"""MAV_PARAM_TYPE_REAL32."""
 RETRY_AFTER = 0.25
 """s without an answer to a parameter's request (engineering choice)."""
 TRIES = 8
@@ -56,7 +66,7 @@ TUNING: dict[str, str] = {
 IN_DEGREES = frozenset({"fail_roll", "fail_pitch"})
 
 
-class Held(NamedTuple):
+class ParameterValue(NamedTuple):
     """A parameter as the vehicle holds it. ``kind``: MAV_PARAM_TYPE."""
 
     value: float
@@ -72,10 +82,10 @@ class _Asked:
 
 @dataclass(slots=True)
 class Parameters:
-    """What one vehicle's parameters are. ``send`` queues a message; ``held``: None for a name it does not know."""
+    """What one vehicle's parameters are. ``send`` queues a message; ``values``: None for a name it does not know."""
 
     send: Callable[[Format, tuple[Value, ...]], None]
-    held: dict[str, Held | None] = field(default_factory=dict)
+    values: dict[str, ParameterValue | None] = field(default_factory=dict)
     _asked: dict[str, _Asked] = field(default_factory=dict)
     _system: int = 0
 
@@ -86,7 +96,7 @@ class Parameters:
 
     def value(self, name: str) -> float | None:
         """The value as last told; an integer's is whole."""
-        known = self.held.get(name)
+        known = self.values.get(name)
         return None if known is None else known.value
 
     def ask(self, names: Iterable[str], system: int, now: float) -> None:
@@ -97,25 +107,25 @@ class Parameters:
 
     def change(self, name: str, value: float, now: float) -> None:
         """Set a parameter that was read before; asked for until the vehicle tells the new value."""
-        known = self.held.get(name)
+        known = self.values.get(name)
         if known is not None and not _same(known, value):
             self._request(name, value, 1, now)
 
     def receive(self, frame: Frame) -> None:
         """Take in PARAM_VALUE and PARAM_ERROR of the vehicle."""
         if frame.format is VALUE:
-            name, held = _decoded(frame)
+            name, parameter = _decoded(frame)
             asked = self._asked.get(name)
-            if held is None or (asked is None and name not in self.held):
+            if parameter is None or (asked is None and name not in self.values):
                 return  # nobody asked
-            self.held[name] = held
-            if asked is not None and (asked.wanted is None or _same(held, asked.wanted)):
+            self.values[name] = parameter
+            if asked is not None and (asked.wanted is None or _same(parameter, asked.wanted)):
                 del self._asked[name]
         elif frame.format is ERROR:
             name = _text(ERROR.named(frame.values)["param_id"])
             asked = self._asked.pop(name, None)
             if asked is not None and asked.wanted is None:
-                self.held[name] = None
+                self.values[name] = None
 
     def on_timer(self, now: float) -> None:
         """Ask again what was not answered."""
@@ -127,7 +137,7 @@ class Parameters:
             else:
                 del self._asked[name]
                 if asked.wanted is None:
-                    self.held.setdefault(name, None)
+                    self.values.setdefault(name, None)
 
     def next_timer(self) -> float:
         """When ``on_timer`` has something to do."""
@@ -135,12 +145,12 @@ class Parameters:
 
     def tuning(self) -> Tuning:
         """What of it matters to the law and the guards, in our units."""
-        told: dict[str, float] = {}
+        values: dict[str, float] = {}
         for name, parameter in TUNING.items():
             value = self.value(parameter)
             if value is not None:
-                told[name] = math.radians(value) if name in IN_DEGREES else value
-        return Tuning(**told)  # type: ignore[arg-type]  # integers are whole already
+                values[name] = math.radians(value) if name in IN_DEGREES else value
+        return Tuning(**values)  # type: ignore[arg-type]  # integers are whole already
 
     def _request(self, name: str, wanted: float | None, tries: int, now: float) -> None:
         self._asked[name] = _Asked(now, tries, wanted)
@@ -150,26 +160,26 @@ class Parameters:
                 target_system=target[0], target_component=target[1], param_id=name, param_index=-1
             ))  # fmt: skip
             return
-        known = self.held[name]
+        known = self.values[name]
         assert known is not None
-        raw = struct.pack("<f", wanted) if known.kind == REAL32 else struct.pack("<i", round(wanted))
+        raw = struct.pack("<f", wanted) if known.kind == MAV_PARAM_TYPE_REAL32 else struct.pack("<i", round(wanted))
         self.send(RAW_SET, (raw, *target, name.encode("ascii"), known.kind))
 
 
-def _decoded(frame: Frame) -> tuple[str, Held | None]:
+def _decoded(frame: Frame) -> tuple[str, ParameterValue | None]:
     """Name and value of a PARAM_VALUE, by its own type; None for a type PX4 does not use and for what is no number."""
     _, _, _, name, kind = frame.values
     payload = 10 if frame.raw[0] == MAGIC_V2 else 6
     raw = frame.raw[payload : payload + 4]
-    code = "f" if kind == REAL32 else INT_TYPES.get(kind)
+    code = "f" if kind == MAV_PARAM_TYPE_REAL32 else INT_TYPES.get(kind)
     if code is None:
         return _text(name), None
     (value,) = struct.unpack("<" + code, raw[: struct.calcsize(code)])
-    return _text(name), Held(value, kind) if math.isfinite(value) else None
+    return _text(name), ParameterValue(value, kind) if math.isfinite(value) else None
 
 
-def _same(held: Held, value: float) -> bool:
-    return math.isclose(held.value, value, rel_tol=1e-6, abs_tol=1e-9)
+def _same(parameter: ParameterValue, value: float) -> bool:
+    return math.isclose(parameter.value, value, rel_tol=1e-6, abs_tol=1e-9)
 
 
 def _text(raw: bytes | str) -> str:

@@ -82,11 +82,11 @@ class Signing:
     def signature(self, frame: bytes) -> bytes:
         """What goes behind a frame that ends with its CRC and has the flag SIGNED."""
         self.stamp = stamp = min(self.stamp + 1, STAMP_MAX)
-        told = self.link.to_bytes(1, "little") + stamp.to_bytes(6, "little")
+        header = self.link.to_bytes(1, "little") + stamp.to_bytes(6, "little")
         hashed = self._begun.copy()
         hashed.update(frame)
-        hashed.update(told)
-        return told + bytes(hashed.digest()[:6])
+        hashed.update(header)
+        return header + bytes(hashed.digest()[:6])
 
     def is_signed(self, frame: bytes) -> bool:
         """Whether a frame with a signature was signed with the key, some time."""

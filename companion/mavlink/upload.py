@@ -61,17 +61,17 @@ class Upload:
         """Answer the vehicle's requests."""
         if self.outcome is not None or frame.format.id not in WANTED:
             return
-        told = frame.format.named(frame.values)
-        if told.get("mission_type", 0) != 0:
+        values = frame.format.named(frame.values)
+        if values.get("mission_type", 0) != 0:
             return
         if frame.format is ACK:
-            result = RESULTS.get(told["type"], f"result {told['type']}")
+            result = RESULTS.get(values["type"], f"result {values['type']}")
             self.outcome = f"the curve on the ground station's map: {len(self.places)} waypoints {result}"
-        elif 0 <= told["seq"] < len(self.places):
+        elif 0 <= values["seq"] < len(self.places):
             self._sent_at = now
-            place = self.places[told["seq"]]
+            place = self.places[values["seq"]]
             self.send(ITEM, ITEM.values(
                 param4=math.nan, x=round(place.latitude * 1e7), y=round(place.longitude * 1e7), z=place.altitude,
-                seq=told["seq"], command=MAV_CMD_NAV_WAYPOINT, target_system=self.system, target_component=1,
+                seq=values["seq"], command=MAV_CMD_NAV_WAYPOINT, target_system=self.system, target_component=1,
                 frame=MAV_FRAME_GLOBAL_INT, autocontinue=1,
             ))  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -66,10 +65,3 @@ def written(x: Expression, y: Expression, z: Expression, constants: Mapping[str,
         return x(values), y(values), z(values)
 
     return Formula(gamma)
-
-
-def first_undefined(many: Callable[[NDArray[np.float64]], NDArray[np.float64]], begin: float, end: float) -> float:
-    """A parameter where a parametrisation is not finite; nan where none was found."""
-    u = np.linspace(begin, end, 1001)
-    bad = ~np.isfinite(many(u)).all(axis=(0, 1))
-    return float(u[bad][0]) if bad.any() else math.nan

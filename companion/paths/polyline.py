@@ -55,9 +55,9 @@ def polyline(points: Sequence[Vec3], closed: bool, tolerance: float | Sequence[f
         turn = math.acos(max(-1.0, min(1.0, float(legs[i - 1] @ legs[i]))))
         if turn > TURN_MAX:
             raise ValueError(f"turns back on itself at point {i + 1}; expected a turn of less than 175 degrees")
-        room = SPLIT * min(lengths[i - 1], lengths[i])
+        side = SPLIT * min(lengths[i - 1], lengths[i])
         wanted = float(within[i]) / (PHI[-1] * 2.0 * math.sin(0.5 * turn)) if turn > 1e-9 else 0.0
-        reach[i] = min(room, wanted)
+        reach[i] = min(side, wanted)
     if closed:
         reach[count] = reach[0]
     pieces: list[Coefficients] = []

@@ -17,7 +17,7 @@ from companion.frames import tilt, wrap
 from companion.pilot.inputs import follows_commands
 from companion.pilot.memory import (
     WAKE_AFTER,
-    First,
+    LawOutput,
     Memory,
     Observation,
     Outcome,
@@ -32,17 +32,18 @@ from companion.steering.steering import Steered
 from companion.vehicle import Mode, VehicleState
 
 __all__ = [
-    "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "First", "Memory", "Observation", "Outcome", "Progress", "begin", "completed",
-    "compute_setpoint", "epilogue", "follows_commands", "may_be_selected", "step", "supervise", "tilt_of", "wake_at",
-    "yaw_error",
+    "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "LawOutput", "Memory", "Observation", "Outcome", "Progress", "begin",
+    "completed", "compute_setpoint", "epilogue", "follows_commands", "may_be_selected", "step", "supervise",
+    "tilt_of", "wake_at", "yaw_error",
 ]  # fmt: skip
 
 
 def epilogue(memory: Memory, mode: Mode | None) -> str | None:
     """What went wrong, what was done then, and what to do next, in one sentence; None where nothing did."""
-    if memory.first_fault is None or memory.fault_event is None or memory.last_event is None:
+    fault = memory.fault
+    if fault is None or memory.last_event is None:
         return None
-    return sentence(memory.first_fault, memory.fault_event, memory.advice, memory.last_event, mode, memory.done)
+    return sentence(fault.reason, fault.event, fault.advice, memory.last_event, mode, memory.done)
 
 
 def yaw_error(steered: Steered) -> float:

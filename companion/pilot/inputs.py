@@ -17,7 +17,7 @@ from companion.plan import Plan
 from companion.vehicle import KnownStatus, Mode, RateSetpoint, VehicleStatus
 
 REHEARSED_FOR = 5.0
-"""s of rehearsal where no duration is given."""
+"""s of rehearsal where no duration is given. Engineering choice."""
 RESTS_FOR = 4.0
 """s of holding the place after which the thrust is known well enough, whatever its variance (engineering choice)."""
 LIFT_WATCHED = (Phase.JOIN, Phase.FOLLOW, Phase.REST)
@@ -25,27 +25,29 @@ LIFT_WATCHED = (Phase.JOIN, Phase.FOLLOW, Phase.REST)
 FOLLOWS_FOR = 0.6
 """s after its CURRENT_MODE said OFFBOARD that a vehicle is taken to follow what is commanded: PX4 sends one every 0.5 s
 and on change. A HEARTBEAT is too old a word: who lands meanwhile would be told that his thrust does not answer."""
-LIFT_AFTER, LIFT_AFTER_AT_ONCE = 0.3, 4.0
-"""s that the thrust was followed before it is judged: after settling, and where nothing was (engineering choice)."""
+LIFT_AFTER = 0.3
+"""s that the thrust was followed before it is judged, after settling. Engineering choice."""
+LIFT_AFTER_AT_ONCE = 4.0
+"""s, the same where nothing was settled. Engineering choice."""
 STILL = 0.15
-"""m/s and rad/s below which the vehicle stands."""
+"""m/s and rad/s below which the vehicle stands. Engineering choice."""
 
 
 def safety_inputs(
-    plan: Plan, memory: Memory, seen: Observation, status: KnownStatus, now: float
+    plan: Plan, memory: Memory, observation: Observation, status: KnownStatus, now: float
 ) -> conditions.SafetyInputs:
     """What the safety rows look at at ``now``, s by our clock."""
-    state, progress, limits, watch = memory.state, memory.progress, plan.conduct.limits, memory.watch
+    state, progress, limits, watch = memory.state, memory.path.progress, plan.conduct.limits, memory.watch
     if state is None:
-        return conditions.SafetyInputs(status, rate=seen.rate, companions=seen.companions)
+        return conditions.SafetyInputs(status, rate=observation.rate, companions=observation.companions)
     x, y, z = state.p_n
     fence, home = plan.mission.fence_n, limits.home
-    steered = memory.steered if memory.phase in FLOWN else None
-    follows = follows_commands(seen.status, now)
+    steered = memory.steering.steered if memory.phase in FLOWN else None
+    follows = follows_commands(observation.status, now)
     asked = None if steered is None else steered.setpoint
     return conditions.SafetyInputs(
         status=status,
-        following=memory.phase is Phase.FOLLOW and memory.reached,
+        following=memory.phase is Phase.FOLLOW and memory.path.reached,
         path_error=0.0 if progress is None else progress.path_error,
         height=None if limits.ground is None else limits.ground - z,
         fence_margin=math.inf if fence is None else fence.margin(state.p_n),
@@ -59,7 +61,7 @@ def safety_inputs(
         saturated=steered is not None and steered.saturated,
         thrust_share=0.0 if steered is None or not follows else steered.thrust_share,
         sinking=state.v_n[2],
-        link_delay=seen.link_delay,
+        link_delay=observation.link_delay,
         needs=NEEDS[plan.level],
         jump=watch.jump,
         flagged=watch.flagged,
@@ -68,10 +70,10 @@ def safety_inputs(
         velocity_off=watch.velocity_off,
         rates_off=watch.rates_off,
         clock_jump=watch.clock_jump,
-        behind=seen.behind,
-        rate=seen.rate,
+        behind=observation.behind,
+        rate=observation.rate,
         gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
-        companions=seen.companions,
+        companions=observation.companions,
         turning_max=_turning_max(plan),
         lift_asked=watch.lift.asked if follows and is_lift_judged(plan, memory) else 0.0,
         lift_made=watch.lift.made,
@@ -104,7 +106,7 @@ def is_lift_judged(plan: Plan, memory: Memory) -> bool:
 def situation(
     plan: Plan,
     memory: Memory,
-    seen: Observation,
+    observation: Observation,
     status: KnownStatus,
     verdict: safety.Verdict,
     now: float,
@@ -112,22 +114,22 @@ def situation(
 ) -> Situation:
     """What the transitions look at."""
     conduct = plan.conduct
-    missing = missing_now(plan, memory, seen, status, now) if memory.phase is Phase.PREFLIGHT else None
-    armed = seen.status.armed
+    missing = missing_now(plan, memory, observation, status, now) if memory.phase is Phase.PREFLIGHT else None
+    armed = observation.status.armed
     at_end = memory.phase is Phase.FOLLOW and remaining(plan, memory) < END_WITHIN
     return Situation(
         phase=memory.phase,
         now=now,
         entered=memory.entered,
         status=status,
-        mode_seen=memory.mode_seen,
+        mode_seen=memory.request.mode_seen,
         state_at=memory.state_at,
-        answer=memory.answer,
+        answer=memory.request.answer,
         from_ground=memory.from_ground,
         authority=conduct.authority,
         finish=conduct.finish,
-        faulty=memory.first_fault is not None,
-        stop=seen.stop,
+        faulty=memory.fault is not None,
+        stop=observation.stop,
         missing=missing,
         settled=_settled(plan, memory, now),
         joined=rests(plan, memory, now) if memory.phase is Phase.REST else conduct.at_once or is_at(memory),
@@ -136,33 +138,33 @@ def situation(
         finished=_finished(plan, memory, now),
         law_error=law_error or bench_fault(memory.shown),
         verdict=verdict if PHASES[memory.phase].steers else safety.NO_FAULT,
-        decided_in=memory.decided_in,
-        asked=0 if memory.asking is None else memory.asking.tries,
-        asked_at=math.inf if memory.asking is None else memory.asking.sent_at,
+        decided_in=memory.request.decided_in,
+        asked=0 if memory.request.asking is None else memory.request.asking.tries,
+        asked_at=math.inf if memory.request.asking is None else memory.request.asking.sent_at,
         unusable=memory.watch.unusable,
         late=memory.watch.late,
-        answered=now - memory.answered_at,
+        answered=now - memory.request.answered_at,
         armed_heard=math.inf if armed is None else now - armed.at,
     )
 
 
 def _settled(plan: Plan, memory: Memory, now: float) -> bool:
     """Whether the thrust that carries the vehicle is known, or carries it at rest where it is to be."""
-    if plan.conduct.at_once or (memory.steered is not None and memory.steered.converged):
+    if plan.conduct.at_once or (memory.steering.steered is not None and memory.steering.steered.converged):
         return True
     return now - memory.entered > RESTS_FOR and is_at(memory)
 
 
-def missing_now(plan: Plan, memory: Memory, seen: Observation, status: KnownStatus, now: float) -> str | None:
+def missing_now(plan: Plan, memory: Memory, observation: Observation, status: KnownStatus, now: float) -> str | None:
     """What is not there that a flight needs; None: it may begin."""
     conduct = plan.conduct
-    return preflight.missing(preflight.Standing(
+    return preflight.missing(preflight.PreflightInputs(
         status, conduct.authority, conduct.finish, conduct.limits, memory.state is not None,
-        preflight.RATE_WANTED if conduct.at_once and seen.rate is None else seen.rate,
-        seen.companions,
+        preflight.RATE_WANTED if conduct.at_once and observation.rate is None else observation.rate,
+        observation.companions,
         None if memory.state_at is None else now - memory.state_at,
-        1.0 if conduct.at_once else seen.clock_pace,
-        seen.link_delay,
+        1.0 if conduct.at_once else observation.clock_rate,
+        observation.link_delay,
         NEEDS[plan.level],
     ))  # fmt: skip
 
@@ -177,15 +179,15 @@ def _finished(plan: Plan, memory: Memory, now: float) -> str | None:
             return "every side was shown, and the command turned it back" if memory.shown.complete else None
         lasts = plan.duration or REHEARSED_FOR
         return f"rehearsed for {lasts:g} s: nothing was commanded" if now - memory.entered >= lasts else None
-    if memory.phase not in (Phase.FOLLOW, Phase.REST) or memory.follow_from is None:
+    if memory.phase not in (Phase.FOLLOW, Phase.REST) or memory.path.follow_from is None:
         return None
     # the first state after it, so that all of the duration was followed
-    if plan.duration is not None and state.t_boot - memory.follow_from > plan.duration + 1e-6:
+    if plan.duration is not None and state.t_boot - memory.path.follow_from > plan.duration + 1e-6:
         return f"followed for {plan.duration:g} s"
     if memory.phase is Phase.REST:
         return "flew to the end of the path" if rests(plan, memory, now) and not goes_back(plan, memory) else None
-    if plan.laps is not None and plan.table.closed and memory.progress is not None:
-        laps = memory.progress.travelled / plan.table.length
+    if plan.laps is not None and plan.table.closed and memory.path.progress is not None:
+        laps = memory.path.progress.travelled / plan.table.length
         if laps >= plan.laps:
             return f"flew {plan.laps:g} laps"
     return None

@@ -16,55 +16,53 @@ from companion.pilot.memory import OWN_MODE, Memory, Observation, StateWatch, Su
 from companion.vehicle import Mode, VehicleState
 
 CLOCK_BACK = 1.0
-"""s by which a state must be older than the last one to be the sign of a clock set back, and not merely late."""
+"""s by which a state must be older than the last one to be the sign of a clock set back, and not merely late.
+Engineering choice."""
 OLDER_IN_A_ROW = 5
-"""States older than the last one, with none between them that is newer, after which the clock was set back (engineering
-choice: a second route brings them between the first one's)."""
+"""Number of states older than the last one, with none between them that is newer, after which the clock was set
+back. Engineering choice: a second route brings them between the first one's."""
 NEW_CLOCK_AFTER = 1.0
-"""s without a state after which an earlier stamp begins anew, while nothing flies: the vehicle was switched on anew."""
+"""s without a state after which an earlier stamp begins anew, while nothing flies: the vehicle was switched on anew.
+Engineering choice."""
 JUMP_MIN = 1.0
-"""m beside the place where the last state's velocity leads that are a jump: a quarter of a second at 30 m/s^2."""
-MOVES, TURNS = 0.1, 0.02
-"""m/s and rad/s from which on a position and an attitude must change from state to state."""
+"""m beside the place where the last state's velocity leads that are a jump: a quarter of a second at 30 m/s^2.
+Engineering choice."""
+MOVES = 0.1
+"""m/s from which on a position must change from state to state. Engineering choice."""
+TURNS = 0.02
+"""rad/s from which on an attitude must. Engineering choice."""
 WINDOW = 0.06
 """s over which what moved is compared with what velocity and rates say (engineering choice)."""
-MOVES_SURELY, TURNS_SURELY = 0.5, 0.06
-"""m/s and rad/s from which on a change of less than STANDS of what they make of it is none."""
+MOVES_SURELY = 0.5
+"""m/s from which on a change of less than STANDS of what the velocity makes of it is none. Engineering choice."""
+TURNS_SURELY = 0.06
+"""rad/s, the same of an attitude and the body rates. Engineering choice."""
 STANDS = 0.3
-"""share of the change that velocity or rates make of a state, below which it counts as not moved (engineering
-choice)."""
+"""Share of the change that velocity or rates make of a state, below which it counts as not moved. Engineering
+choice."""
 
 
-def take_in(memory: Memory, seen: Observation, now: float, *, clock_may_stand: bool) -> Memory:
+def take_in(memory: Memory, observation: Observation, now: float, *, clock_may_stand: bool) -> Memory:
     """The memory with what was seen. ``clock_may_stand``: a simulated vehicle whose clock waits for the first setpoint.
     A state that counts is ``memory.state`` afterwards."""
-    answer, asking, known = seen.answer, memory.asking, memory.answer
-    answers = asking is not None and answer is not None and answer.request is asking.request
-    if answer is not None and answers and (known is None or not known.accepted):
-        memory = memory._replace(answer=answer, answered_at=now)
-        if answer.accepted and answer.request in (Request.ARM, Request.HOLD):
-            part = "armed" if answer.request is Request.ARM else "hold_accepted"
-            memory = memory._replace(done=memory.done._replace(**{part: True}))
-    mode_seen = memory.mode_seen
-    if not mode_seen and seen.status.mode is not None:
-        mode_seen = seen.status.mode.value is OWN_MODE.get(memory.phase, Mode.UNKNOWN)
-    new, old, watch = seen.state, memory.state, memory.watch
+    memory = _take_in_answer(memory, observation, now)
+    new, old, watch = observation.state, memory.state, memory.watch
     if new is None:
         if watch.jump or watch.clock_jump:
             watch = watch._replace(jump=0.0, clock_jump=0.0)
-        return memory._replace(mode_seen=mode_seen, watch=watch)
+        return memory._replace(watch=watch)
     if old is None or memory.state_at is None:
         return memory._replace(
-            mode_seen=mode_seen, state=new, state_at=now - seen.late,
+            state=new, state_at=now - observation.late,
             watch=watch._replace(arrived_at=now, checked=new),
         )  # fmt: skip
     passed = new.t_boot - old.t_boot
     begins_anew = clock_may_stand and passed == 0.0
     if memory.phase in (Phase.PREFLIGHT, Phase.STAND_BY):
         begins_anew = begins_anew or (passed < 0.0 and now - memory.state_at > NEW_CLOCK_AFTER)
-    if (passed <= 0.0 and not begins_anew) or seen.late > STATE_AGE_MAX:
-        watch = _unusable(watch, passed, seen.late)
-        return memory._replace(mode_seen=mode_seen, watch=watch)
+    if (passed <= 0.0 and not begins_anew) or observation.late > STATE_AGE_MAX:
+        watch = _unusable(watch, passed, observation.late)
+        return memory._replace(watch=watch)
     jump, flagged = 0.0, new.resets != old.resets
     (x, y, z), (u, v, w), (a, b, c) = old.p_n, old.v_n, new.p_n
     off = max(abs(a - x - u * passed), abs(b - y - v * passed), abs(c - z - w * passed))
@@ -80,10 +78,26 @@ def take_in(memory: Memory, seen: Observation, now: float, *, clock_may_stand: b
         same_attitude = new.q_nb == old.q_nb and (same_attitude or math.hypot(*new.w_b) > TURNS)
     watch = watch._replace(
         jump=jump, flagged=flagged, clock_jump=max(ahead, 0.0), same_place=same_place, same_attitude=same_attitude,
-        gaps=gaps, arrived_at=now, late=seen.late, unusable=None, older=0,
+        gaps=gaps, arrived_at=now, late=observation.late, unusable=None, older=0,
     )  # fmt: skip
     runs = memory.clock_runs or passed > 0.0
-    return memory._replace(mode_seen=mode_seen, state=new, state_at=now - seen.late, watch=watch, clock_runs=runs)
+    return memory._replace(state=new, state_at=now - observation.late, watch=watch, clock_runs=runs)
+
+
+def _take_in_answer(memory: Memory, observation: Observation, now: float) -> Memory:
+    """The memory with the answer to what the phase asks for, and whether telemetry shows its own mode."""
+    request, answer = memory.request, observation.answer
+    asking, before = request.asking, request.answer
+    answers = asking is not None and answer is not None and answer.request is asking.request
+    if answer is not None and answers and (before is None or not before.accepted):
+        memory = memory._replace(request=request._replace(answer=answer, answered_at=now))
+        if answer.accepted and answer.request in (Request.ARM, Request.HOLD):
+            part = "armed" if answer.request is Request.ARM else "hold_accepted"
+            memory = memory._replace(done=memory.done._replace(**{part: True}))
+    mode = observation.status.mode
+    if memory.request.mode_seen or mode is None or mode.value is not OWN_MODE.get(memory.phase, Mode.UNKNOWN):
+        return memory
+    return memory._replace(request=memory.request._replace(mode_seen=True))
 
 
 def _unusable(watch: StateWatch, passed: float, late: float) -> StateWatch:
@@ -102,7 +116,7 @@ def _unusable(watch: StateWatch, passed: float, late: float) -> StateWatch:
 NO_SUMS = Sums()
 
 
-def compared(watch: StateWatch, new: VehicleState) -> StateWatch:
+def compare_states(watch: StateWatch, new: VehicleState) -> StateWatch:
     """The watch once a state was compared with the one before. Nothing of it is needed before the setpoint is sent."""
     old = watch.checked
     if old is None or new.resets != old.resets or not 0.0 < new.t_boot - old.t_boot < WINDOW:

@@ -20,15 +20,15 @@ from companion.vehicle import VehicleState
 TIME = 0.08
 """s, time constant of both: a velocity that is 0.02 m/s rough makes 0.3 m/s^2 of it (engineering choice)."""
 ACTUATION = 0.06
-"""s until a command is thrust, without the link: rotors 0.05 (px4.md), and half a command's period."""
+"""s until a command is thrust, without the link: rotors 0.05 (PX4's simulated quadrotor), and half a command's
+period."""
 AIR_TIME = 3.0
-"""s, time constant of the disturbance that counts as air: a motor that fails is told long before (engineering choice).
-"""
+"""s, time constant of the disturbance that counts as air: a failing motor shows long before. Engineering choice."""
 SCALE_TIME = 20.0
-"""s, time constant in which the scale is taken over: a battery that sags is none of this, a motor that fails is
-(engineering choice)."""
+"""s, time constant in which the scale is taken over. Engineering choice: a battery that sags is none of this, a motor
+that fails is."""
 GAP_MAX = 0.1
-"""s between two states beyond which both begin anew."""
+"""s between two states beyond which both begin anew. Engineering choice."""
 
 
 class Lift(NamedTuple):

@@ -20,15 +20,23 @@ from companion.steering.steering import At, Steered, SteeringMemory
 from companion.vehicle import Mode, Setpoint, VehicleState, VehicleStatus
 
 WAKE_AFTER = 0.05
-"""s without anything arriving after which the pilot looks around anyway."""
+"""s without anything arriving after which the pilot looks around anyway. Engineering choice."""
 
 
 class Observation(NamedTuple):
-    """What is seen at a tick. ``state``: a new one, or None. ``answer``: to a request, or None. ``link_delay``: s, the
-    measured round trip of a message; None until measured. ``rate``: Hz of states, None until measured. ``behind``:
-    states that came together with this one and were passed over. ``companions``: others that speak on the link.
-    ``speed_scale``: the factor on the mission's speed that is asked for. ``late``: s by which the state is older than
-    the youngest this link has brought. ``clock_pace``: s of the vehicle's clock a second of ours, None until measured.
+    """What a tick is given.
+
+    ``state``: a new one, or None.
+    ``status``: what the vehicle says of itself, each fact with its age.
+    ``answer``: to a request, or None.
+    ``stop``: the user wants the vehicle handed back.
+    ``link_delay``: s, the round trip of a message; None until measured.
+    ``rate``: Hz of states; None until measured.
+    ``behind``: states that came together with this one and were passed over.
+    ``companions``: others that speak on the link.
+    ``speed_scale``: the factor on the mission's speed that the ground station asks for.
+    ``late``: s by which the state is older than the youngest this link has brought.
+    ``clock_rate``: s of the vehicle's clock a second of ours; None until measured.
     """
 
     state: VehicleState | None
@@ -41,7 +49,7 @@ class Observation(NamedTuple):
     companions: int = 0
     speed_scale: float = 1.0
     late: float = 0.0
-    clock_pace: float | None = None
+    clock_rate: float | None = None
 
 
 class Progress(NamedTuple):
@@ -63,15 +71,18 @@ class Sums(NamedTuple):
 
 
 class StateWatch(NamedTuple):
-    """What is remembered of the states themselves, to tell good ones from others.
+    """Whether states agree with each other, with the clock and with what was commanded.
 
-    ``arrived_at``: s, our clock, when the last one arrived, ``late`` s late. ``gaps``: when the last gaps ended.
-    ``jump``: m that the last one lies beside where the one before led, ``flagged``: its reset counter says so.
-    ``clock_jump``: s that the vehicle's clock ran ahead of ours, or was set back. ``older``: how many in a row were
-    older. ``unusable``: why what came last is no state. ``same_place``, ``same_attitude``: the last one repeated those
-    of the one before, and yet moves, or turns. ``checked``: the last one that was compared; ``sums``: with the ones
-    before. ``place_stands``, ``attitude_stands``: too little of it for what velocity and rates say. ``velocity_off``
-    m/s, ``rates_off`` rad/s: how far they disagree. ``lift``: the thrust that comes of what is commanded.
+    ``arrived_at``: s, our clock, when the last one arrived; ``late``: by so much (s).
+    ``gaps``: s, our clock, when the last gaps ended.
+    ``jump``: m that the last one lies beside where the one before led; ``flagged``: its reset counter says so.
+    ``clock_jump``: s that the vehicle's clock ran ahead of ours, or was set back.
+    ``older``: how many in a row were older than the last usable one; ``unusable``: why what came last is no state.
+    ``same_place``, ``same_attitude``: the last one repeats the one before, although it moves, or turns.
+    ``checked``: the last one that was compared; ``sums``: with those before it.
+    ``place_stands``, ``attitude_stands``: too little changed for what velocity and rates say.
+    ``velocity_off`` m/s, ``rates_off`` rad/s: how far change and velocity, change and body rates disagree.
+    ``lift``: the thrust that comes of what is commanded.
     """
 
     arrived_at: float = 0.0
@@ -94,52 +105,68 @@ class StateWatch(NamedTuple):
 
 
 class Missing(NamedTuple):
-    """What a flight that waits lacks: ``words`` without their figures, ``since`` s, and whether that was ``told``."""
+    """What a flight that waits lacks: ``words`` without their figures, ``since`` s, and whether that was
+    ``reported``."""
 
     words: str
     since: float
-    told: bool = False
+    reported: bool = False
 
 
 class PayloadProgress(NamedTuple):
-    """How far the payload's commands are. ``start``: m from the path's beginning in the way it is flown, where
-    following began; ``reach``: m from there on the same count up to which they were sent. ``sent``: how many."""
+    """How far the payload's commands are.
 
-    start: float
-    reach: float
-    sent: int
-
-
-class Memory(NamedTuple):
-    """What the pilot remembers from tick to tick.
-
-    ``entered``: when the phase began, s by our clock. ``state_at``: s, our clock, when the last state was measured, as
-    far as its lateness is known; ``watch``: of the states. ``mode_seen``: the phase's own mode was; ``asking``: what
-    the phase asks for, ``answer``: to it, ``answered_at`` s; ``decided_in``: the mode in which that began.
-    ``clock_runs``: the stamps advance. ``steered_at``: stamp of the last steered state, ``steered``: what came of it.
-    ``follow_from``: stamp at which following began, ``leg_from``: at which the present leg of a path did. ``leg``: +1
-    in the mission's direction, -1 back; ``legs``: flown to their ends. ``aim``: the point that is held or gone to.
-    ``reached``: the path was reached in this leg. ``scale``: the factor on the speed and its rate, 1/s. ``since``: of
-    the safety rows. ``first_fault``: why the flight is not going to be completed, ``fault_event`` its kind, ``advice``
-    what to do then; ``last_event``: what began the phase. ``done``: for the sentence it ends with. ``missing``:
-    before it begins. ``shown``: on the bench. ``payload``: of this leg, None before its first tick; ``payload_sent``:
-    commands in the legs before.
+    ``start``: m from the path's beginning in the way it is flown, where following began; None before the first tick of
+    a leg.
+    ``reach``: m on the same count up to which commands were sent.
+    ``sent``: how many, in all legs.
     """
 
-    phase: Phase = Phase.PREFLIGHT
-    entered: float = 0.0
-    state: VehicleState | None = None
-    state_at: float | None = None
-    mode_seen: bool = False
+    start: float | None = None
+    reach: float = 0.0
+    sent: int = 0
+
+
+class RequestMemory(NamedTuple):
+    """What the present phase asks of the vehicle, and what came back.
+
+    ``asking``: arming or a mode, and how often it was sent; None where the phase asks for nothing.
+    ``answer``: the vehicle's to it, ``answered_at`` s by our clock.
+    ``decided_in``: the mode in which it was first asked for.
+    ``mode_seen``: telemetry has shown the phase's own mode.
+    """
+
     asking: Asking | None = None
     answer: Answer | None = None
     answered_at: float = 0.0
     decided_in: Mode | None = None
-    clock_runs: bool = False
-    from_ground: bool = False
-    steering: SteeringMemory | None = None
+    mode_seen: bool = False
+
+
+class SteeringRecord(NamedTuple):
+    """What the steering remembers, and its last step.
+
+    ``memory``: the blocks' memories; None before the first step.
+    ``steered``: what came of the last step, at the state with the stamp ``steered_at`` (s).
+    ``scale``: the ground station's factor on the speed, with its rate.
+    """
+
+    memory: SteeringMemory | None = None
     steered: Steered | None = None
     steered_at: float | None = None
+    scale: SpeedScale = UNITY
+
+
+class PathMemory(NamedTuple):
+    """Where the flight is along its path.
+
+    ``progress``: at the last state.
+    ``follow_from``: stamp (s) at which following began; ``leg_from``: at which the present leg did.
+    ``leg``: +1 in the mission's direction, -1 back; ``legs``: flown to their ends.
+    ``aim``: the point that is held or gone to; None along the path.
+    ``reached``: the path was reached in this leg, so that the tube around it is watched.
+    """
+
     progress: Progress | None = None
     follow_from: float | None = None
     leg_from: float | None = None
@@ -147,33 +174,63 @@ class Memory(NamedTuple):
     legs: int = 0
     aim: At | None = None
     reached: bool = False
-    scale: SpeedScale = UNITY
-    watch: StateWatch = StateWatch()
-    since: Since = NOTHING_SINCE
-    finished: bool = False
-    first_fault: str | None = None
-    fault_event: Event | None = None
+
+
+class FlightFault(NamedTuple):
+    """Why a flight is not going to be completed: the first event that pre-empted it, and what to do then."""
+
+    reason: str
+    event: Event
     advice: str | None = None
+
+
+class Memory(NamedTuple):
+    """What the pilot remembers from tick to tick: its own part, and the blocks' memories side by side.
+
+    ``phase``: since ``entered`` (s by our clock); ``last_event``: what began it.
+    ``state``: the last usable one; ``state_at``: s, our clock, when it was measured, as far as its lateness is known.
+    ``clock_runs``: its stamps advance.
+    ``from_ground``: the flight began on the ground; ``finished``: what was to be followed was.
+    ``watch``: whether states agree with each other. ``request``: arming and modes. ``path``: where along it.
+    ``steering``: the law. ``breaches``: since when each safety row is breached. ``payload``: its commands.
+    ``fault``: why the flight is not completed. ``done``: what was done, for the sentence at the end.
+    ``missing``: what a flight that waits lacks. ``shown``: on the bench.
+    """
+
+    phase: Phase = Phase.PREFLIGHT
+    entered: float = 0.0
     last_event: Event | None = None
+    state: VehicleState | None = None
+    state_at: float | None = None
+    clock_runs: bool = False
+    from_ground: bool = False
+    finished: bool = False
+    watch: StateWatch = StateWatch()
+    request: RequestMemory = RequestMemory()
+    path: PathMemory = PathMemory()
+    steering: SteeringRecord = SteeringRecord()
+    breaches: Since = NOTHING_SINCE
+    payload: PayloadProgress = PayloadProgress()
+    fault: FlightFault | None = None
     done: Done = Done()
     missing: Missing | None = None
     shown: Shown = NOTHING_SHOWN
-    payload: PayloadProgress | None = None
-    payload_sent: int = 0
 
     @property
-    def place(self) -> Vec3:
-        """m, where the vehicle is."""
-        assert self.state is not None
-        return self.state.p_n
+    def first_fault(self) -> str | None:
+        """Why the flight is not going to be completed, in words; None while it may be."""
+        return None if self.fault is None else self.fault.reason
 
 
 class Outcome(NamedTuple):
-    """What is done at a tick: at most one fresh ``setpoint``, the ``request`` that stands and whether it is ``sent``
-    now, ``notes`` for people.
+    """What a tick does.
 
-    ``steered`` and ``ramp``: how the setpoint came about, for the record; None where the law had no say.
-    ``actions``: what the payload is to do now, once."""
+    ``setpoint``: at most one, computed in this tick.
+    ``request``: what is asked of the vehicle; ``sent``: now.
+    ``notes``: lines for people.
+    ``steered``, ``ramp``: how the setpoint came about, for the record; None where the law was not asked.
+    ``actions``: what the payload is to do now, once.
+    """
 
     setpoint: Setpoint | None
     request: Request | None
@@ -184,9 +241,12 @@ class Outcome(NamedTuple):
     actions: tuple[PathAction, ...] = ()
 
 
-class First(NamedTuple):
-    """What the law said before the rest of a tick: the setpoint with how it came about, the factor on the speed, and
-    ``scale`` as in Memory."""
+class LawOutput(NamedTuple):
+    """What one step of the steering gave.
+
+    ``steered``: the setpoint and how it came about. ``ramp``: the factor on the mission's speed it was flown with.
+    ``scale``: as in ``SteeringRecord``.
+    """
 
     steered: Steered
     ramp: SpeedScale
@@ -205,13 +265,13 @@ def wake_at(memory: Memory, now: float) -> float:
     at = now + (0.4 * WAKE_AFTER if memory.phase is Phase.ABORT else WAKE_AFTER)
     if memory.state_at is not None and now <= memory.state_at + STATE_AGE_MAX:
         at = min(at, memory.state_at + STATE_AGE_MAX + 1e-3)
-    asks_at = next_at(memory.asking, memory.phase)
+    asks_at = next_at(memory.request.asking, memory.phase)
     return asks_at if now < asks_at < at else at
 
 
 def completed(memory: Memory) -> bool:
     """Whether the flight did what it was to do."""
-    return memory.finished and memory.first_fault is None
+    return memory.finished and memory.fault is None
 
 
 LEFT_WITHIN = 1.0

@@ -12,28 +12,29 @@ from companion.pilot.targets import remaining
 from companion.plan import Plan
 
 AT_THE_END = 0.1
-"""m from the end point within which a path that is rested at has been flown."""
+"""m from the end point within which a path that is rested at has been flown. Engineering choice."""
 
 
 def due(plan: Plan, memory: Memory) -> tuple[Memory, tuple[PathAction, ...]]:
     """The memory after this tick, and the commands whose places were passed in it. What was flown counts from the
     leg's beginning and never back: a vehicle that is pushed back does not do a thing twice."""
-    actions, progress = plan.mission.actions, memory.progress
+    actions, progress = plan.mission.actions, memory.path.progress
     if not actions or progress is None or memory.phase not in (Phase.FOLLOW, Phase.REST):
         return memory, ()
-    length, forward = plan.table.length, plan.direction * memory.leg > 0.0
+    length, forward = plan.table.length, plan.direction * memory.path.leg > 0.0
     along = progress.s if forward else length - progress.s
-    known = memory.payload
-    if known is None:
+    payload = memory.payload
+    start = payload.start
+    if start is None:
         start = along - progress.travelled if plan.table.closed else 0.0
-        known = PayloadProgress(start, along - 1e-6 if plan.table.closed else -1.0, memory.payload_sent)
-    flown = known.start + progress.travelled if plan.table.closed else along
+        payload = PayloadProgress(start, along - 1e-6 if plan.table.closed else -1.0, payload.sent)
+    flown = start + progress.travelled if plan.table.closed else along
     if memory.phase is Phase.REST and remaining(plan, memory) < AT_THE_END:
         flown = length
-    if flown <= known.reach:
-        return (memory if known is memory.payload else memory._replace(payload=known)), ()
-    passed = _between(plan, forward, known.reach, flown)
-    return memory._replace(payload=known._replace(reach=flown, sent=known.sent + len(passed))), passed
+    if flown <= payload.reach:
+        return (memory if payload is memory.payload else memory._replace(payload=payload)), ()
+    passed = _between(plan, forward, payload.reach, flown)
+    return memory._replace(payload=payload._replace(reach=flown, sent=payload.sent + len(passed))), passed
 
 
 def _between(plan: Plan, forward: bool, low: float, high: float) -> tuple[PathAction, ...]:

@@ -1,7 +1,20 @@
-"""One tick: what arrived is taken in, what it changes is decided, and the law is asked.
+"""One tick, in two halves: the setpoint goes out between them while the path is followed and nothing is the matter.
 
-A tick is ``compute_setpoint`` and then ``supervise``. While the path is followed and nothing is the matter, the first
-has the setpoint already, so that it can be on its way before the safety rows and the changes of phase are looked at.
+    observation
+        |
+    compute_setpoint   take in the state, the answer, the mode (intake)
+        |              calm? -> aim (targets) -> steering.steer -> setpoint, "early"
+        |                 else -> no setpoint yet
+        |  ........ an early setpoint is sent here: the latency ends ........
+        |
+    supervise          progress along the path, agreement of the states
+        |              safety rows -> verdict; events -> changes of phase (transitions)
+        |              the setpoint, where none was early: steer, level, or the present attitude
+        |              the request (arming, a mode), the payload's commands
+        |
+    memory, outcome
+
+Whoever has no hurry (replay, tests) calls ``step``, which is both.
 """
 
 from __future__ import annotations
@@ -10,8 +23,8 @@ import math
 from typing import NamedTuple
 
 from companion.flight import conditions, safety
-from companion.flight.asking import asked
-from companion.flight.bench import looked
+from companion.flight.asking import update_asking
+from companion.flight.bench import judge_tilt
 from companion.flight.conduct import ControlAuthority
 from companion.flight.guards import STREAM_FIRST
 from companion.flight.interruptions import SILENT_AFTER, STATE_AGE_MAX
@@ -21,54 +34,56 @@ from companion.law.errors import LawError
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
 from companion.pilot.inputs import is_lift_judged, safety_inputs
-from companion.pilot.intake import compared, take_in
+from companion.pilot.intake import compare_states, take_in
 from companion.pilot.lift import update_lift
-from companion.pilot.memory import First, Memory, Observation, Outcome, Progress, StateWatch
+from companion.pilot.memory import LawOutput, Memory, Observation, Outcome, Progress, StateWatch, SteeringRecord
 from companion.pilot.payload import due
 from companion.pilot.targets import (
-    chosen,
+    choose_aim,
     neutral,
-    scaled,
-    trimmed,
+    trim_aim,
     turning,
+    update_speed_scale,
 )
-from companion.pilot.transitions import SEARCH_ANEW, Moment, change_phase, tell_waiting
+from companion.pilot.transitions import SEARCH_ANEW, Moment, change_phase, report_waiting
 from companion.plan import Plan
 from companion.steering.steering import Steered
 from companion.vehicle import Landed, Mode, Setpoint, VehicleState, VehicleStatus
 
 DT_MAX = 0.1
-"""s; a longer gap between two stamps is integrated as this much."""
+"""s; a longer gap between two stamps is integrated as this much. Engineering choice."""
 LEVEL_FOR = 0.3
-"""s of level setpoints after an abort; then silence, so that the autopilot's own failsafe can act."""
+"""s of level setpoints after an abort; then silence, so that the autopilot's own failsafe can act. Issue 11."""
 WAITS = frozenset({Phase.PREFLIGHT, Phase.STAND_BY, *SILENT_AFTER})
 """The phases that may have to wait for the vehicle."""
 REACHED_WITHIN = 1.0
-"""m from the path at which it counts as reached: from then on the tube around it is watched."""
+"""m from the path at which it counts as reached: from then on the tube around it is watched. Engineering choice."""
 
 
-def step(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, Outcome]:
+def step(plan: Plan, memory: Memory, observation: Observation, now: float) -> tuple[Memory, Outcome]:
     """One tick, whole. ``now``: s, our monotonic clock."""
-    memory, early = compute_setpoint(plan, memory, seen, now)
-    return supervise(plan, memory, seen, now, early)
+    memory, early = compute_setpoint(plan, memory, observation, now)
+    return supervise(plan, memory, observation, now, early)
 
 
-def compute_setpoint(plan: Plan, memory: Memory, seen: Observation, now: float) -> tuple[Memory, First | None]:
+def compute_setpoint(
+    plan: Plan, memory: Memory, observation: Observation, now: float
+) -> tuple[Memory, LawOutput | None]:
     """What arrived is taken in; and the setpoint for it, where it may go out before the rest of the tick.
 
     The nearest point of the path is then that of the last state: all that hangs on it here is the factor on the speed
     and where the law begins to look for the nearest point of its own.
     """
-    memory = take_in(memory, seen, now, clock_may_stand=plan.conduct.at_once and not memory.clock_runs)
-    if not _calm(memory, seen):
+    memory = take_in(memory, observation, now, clock_may_stand=plan.conduct.at_once and not memory.clock_runs)
+    if not _calm(memory, observation):
         return memory, None
     try:
-        return memory, _steered(plan, memory, seen)
+        return memory, _steer(plan, memory, observation)
     except LawError:
         return memory, None  # the rest asks again, and acts on it
 
 
-def _calm(memory: Memory, seen: Observation) -> bool:
+def _calm(memory: Memory, observation: Observation) -> bool:
     """Whether the path is followed on a fresh state and nothing that was seen may stop the setpoint.
 
     Only a change of phase that is due anyway (the end of the path, of the laps, of the time) then comes one setpoint
@@ -76,15 +91,15 @@ def _calm(memory: Memory, seen: Observation) -> bool:
     """
     return (
         memory.phase is Phase.FOLLOW
-        and seen.state is not None
-        and seen.state is memory.state
-        and _flies_offboard(seen.status)
-        and not seen.stop
-        and memory.answer is None
-        and memory.since is safety.NOTHING_SINCE
+        and observation.state is not None
+        and observation.state is memory.state
+        and _flies_offboard(observation.status)
+        and not observation.stop
+        and memory.request.answer is None
+        and memory.breaches is safety.NOTHING_SINCE
         and memory.watch.jump == 0.0
         and abs(memory.watch.clock_jump) <= conditions.CLOCK_JUMP
-        and not seen.companions
+        and not observation.companions
     )
 
 
@@ -94,33 +109,35 @@ def _flies_offboard(status: VehicleStatus) -> bool:
     return mode is not None and mode.value is Mode.OFFBOARD and (armed is None or armed.value)
 
 
-def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: First | None) -> tuple[Memory, Outcome]:
+def supervise(
+    plan: Plan, memory: Memory, observation: Observation, now: float, early: LawOutput | None
+) -> tuple[Memory, Outcome]:
     """The rest of the tick, after ``compute_setpoint`` gave ``memory`` and ``early``:
 
         progress and agreement of the state -> safety rows -> changes of phase -> setpoint -> request
 
     Where ``early`` has the setpoint already, the one for this state is not computed again.
     """
-    fresh = seen.state is not None and seen.state is memory.state
-    if fresh and seen.state is not None:
-        memory = trimmed(plan, _progressed(plan, memory, seen.state))
-        memory = memory._replace(watch=_compared(plan, memory, seen.state, seen.link_delay or 0.0))
-    status = seen.status.known(now)
-    since, verdict = safety.watched(
-        memory.since, safety_inputs(plan, memory, seen, status, now), plan.conduct.limits, now
+    fresh = observation.state is not None and observation.state is memory.state
+    if fresh and observation.state is not None:
+        memory = trim_aim(plan, _update_progress(plan, memory, observation.state))
+        memory = memory._replace(watch=_compare_state(plan, memory, observation.state, observation.link_delay or 0.0))
+    status = observation.status.known(now)
+    breaches, verdict = safety.update_breaches(
+        memory.breaches, safety_inputs(plan, memory, observation, status, now), plan.conduct.limits, now
     )
-    if since is not memory.since:
-        memory = memory._replace(since=since)
-    moment = Moment(plan, seen, status, verdict, now, [])
+    if breaches is not memory.breaches:
+        memory = memory._replace(breaches=breaches)
+    moment = Moment(plan, observation, status, verdict, now, [])
     if early is not None:
-        memory = change_phase(moment, _after(plan, memory, early))
+        memory = change_phase(moment, _keep_steering(plan, memory, early))
         command = Commanded(early.steered.setpoint, early.steered, early.ramp)
     else:
         memory = change_phase(moment, memory)
-        memory, command = _commanded(moment, memory, fresh)
+        memory, command = _command(moment, memory, fresh)
     if memory.phase in WAITS:
-        memory = tell_waiting(moment, memory)
-    memory, request, sent = _requested(moment, memory)
+        memory = report_waiting(moment, memory)
+    memory, request, sent = _request(moment, memory)
     actions: tuple[PathAction, ...] = ()
     if fresh:
         memory, actions = due(plan, memory)
@@ -130,10 +147,10 @@ def supervise(plan: Plan, memory: Memory, seen: Observation, now: float, early: 
     return memory, Outcome(command.setpoint, request, notes, command.steered, ramp, sent, actions)
 
 
-def _compared(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> StateWatch:
+def _compare_state(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> StateWatch:
     """What the state says against the one before, and against what was commanded."""
-    old, steered, vehicle = memory.watch.checked, memory.steered, plan.vehicle
-    watch = compared(memory.watch, state)
+    old, steered, vehicle = memory.watch.checked, memory.steering.steered, plan.vehicle
+    watch = compare_states(memory.watch, state)
     if old is None or steered is None:
         return watch
     judged = is_lift_judged(plan, memory)
@@ -152,16 +169,16 @@ class Commanded(NamedTuple):
 NOTHING = Commanded()
 
 
-def _commanded(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Commanded]:
+def _command(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Commanded]:
     """The setpoint for the present phase. ``fresh``: this tick has a new state."""
-    plan, seen, status, _, now, notes = moment
+    plan, observation, status, _, now, notes = moment
     command = NOTHING
     if memory.phase is Phase.REHEARSE and plan.conduct.authority is ControlAuthority.BENCH:
-        memory = _shown(plan, memory, notes) if fresh else memory
+        memory = _judge_bench(plan, memory, notes) if fresh else memory
     elif fresh and PHASES[memory.phase].steers and memory.phase is not Phase.ABORT:
         try:
-            law = _steered(plan, memory, seen)
-            memory = _after(plan, memory, law)
+            law = _steer(plan, memory, observation)
+            memory = _keep_steering(plan, memory, law)
             setpoint = None if memory.phase is Phase.REHEARSE else law.steered.setpoint
             command = Commanded(setpoint, law.steered, law.ramp)
         except LawError as error:
@@ -172,65 +189,65 @@ def _commanded(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Com
         watch, at = memory.watch, memory.state_at
         stands = watch.same_attitude or watch.attitude_stands
         usable = at is not None and now - at <= STATE_AGE_MAX and not stands
-        command = Commanded(plan.steering.level(memory.state if usable else None, memory.steering))
+        command = Commanded(plan.steering.level(memory.state if usable else None, memory.steering.memory))
     return memory, command
 
 
-def _progressed(plan: Plan, memory: Memory, state: VehicleState) -> Memory:
+def _update_progress(plan: Plan, memory: Memory, state: VehicleState) -> Memory:
     """The memory with where a new state is along the path."""
-    known, moved = memory.progress, 0.0
+    known, moved = memory.path.progress, 0.0
     if known is None or memory.watch.jump > SEARCH_ANEW:
         s, distance = plan.table.locate(state.p_n)
     else:
         # a step no longer than the vehicle can have come: a path that crosses itself keeps its branch
         s, distance = plan.table.nearest(state.p_n, known.s, 1.0 + 0.2 * math.hypot(*state.v_n))
         if memory.phase is Phase.FOLLOW:
-            moved = plan.direction * memory.leg * plan.table.difference(s, known.s)
+            moved = plan.direction * memory.path.leg * plan.table.difference(s, known.s)
     progress = Progress(s, moved if known is None else known.travelled + moved, distance)
-    reached = memory.reached or (memory.phase is Phase.FOLLOW and distance < REACHED_WITHIN)
-    return memory._replace(progress=progress, reached=reached)
+    reached = memory.path.reached or (memory.phase is Phase.FOLLOW and distance < REACHED_WITHIN)
+    return memory._replace(path=memory.path._replace(progress=progress, reached=reached))
 
 
-def _after(plan: Plan, memory: Memory, asked: First) -> Memory:
+def _keep_steering(plan: Plan, memory: Memory, output: LawOutput) -> Memory:
     """The memory once the law was asked, and has learned from what it saw."""
-    state, steered = memory.state, asked.steered
+    state, steered = memory.state, output.steered
     assert state is not None
-    return memory._replace(
-        steering=plan.steering.learn(steered.memory), steered=steered, steered_at=state.t_boot, scale=asked.scale
-    )
+    learned = plan.steering.learn(steered.memory)
+    return memory._replace(steering=SteeringRecord(learned, steered, state.t_boot, output.scale))
 
 
-def _steered(plan: Plan, memory: Memory, seen: Observation) -> First:
+def _steer(plan: Plan, memory: Memory, observation: Observation) -> LawOutput:
     """The law's setpoint for the newest state. The extension stands still until the vehicle flies on it."""
     state = memory.state
     assert state is not None
-    steering = plan.steering.begin(state) if memory.steering is None else memory.steering
+    last = memory.steering
+    steering = plan.steering.begin(state) if last.memory is None else last.memory
     dt = 0.0
-    if memory.phase not in (Phase.TAKE_OVER, Phase.REHEARSE) and memory.steered_at is not None:
-        dt = min(max(state.t_boot - memory.steered_at, 0.0), DT_MAX)
-    wanted = min(max(seen.speed_scale, 0.0), plan.conduct.speed_scale_max)
-    scale = scaled(memory, wanted, dt)
-    if scale != memory.scale:
-        memory = memory._replace(scale=scale)
-    aim, ramp = chosen(plan, memory)
-    steered = plan.steering.steer(steering, state, dt, aim, seen.link_delay)
-    return First(steered, ramp._replace(value=ramp.value * steered.command.end_scale), scale)
+    if memory.phase not in (Phase.TAKE_OVER, Phase.REHEARSE) and last.steered_at is not None:
+        dt = min(max(state.t_boot - last.steered_at, 0.0), DT_MAX)
+    wanted = min(max(observation.speed_scale, 0.0), plan.conduct.speed_scale_max)
+    scale = update_speed_scale(memory, wanted, dt)
+    if scale != last.scale:
+        memory = memory._replace(steering=last._replace(scale=scale))
+    aim, ramp = choose_aim(plan, memory)
+    steered = plan.steering.steer(steering, state, dt, aim, observation.link_delay)
+    return LawOutput(steered, ramp._replace(value=ramp.value * steered.command.end_scale), scale)
 
 
-def _shown(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
+def _judge_bench(plan: Plan, memory: Memory, notes: list[str]) -> Memory:
     """On the bench: what was shown."""
     state = memory.state
     assert state is not None
     _, pitch, roll = euler_from_rotation(state.r_nb)
-    shown, told = looked(memory.shown, roll, pitch, turning(plan, state))
-    if told is not None:
-        notes.append(told)
+    shown, line = judge_tilt(memory.shown, roll, pitch, turning(plan, state))
+    if line is not None:
+        notes.append(line)
     return memory._replace(shown=shown)
 
 
-def _requested(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, bool]:
+def _request(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, bool]:
     """What the phase asks for, and whether that is sent now."""
-    asking, status, now = memory.asking, moment.status, moment.now
+    asking, status, now = memory.request.asking, moment.status, moment.now
     if asking is None:
         return memory, None, False
     if memory.phase is Phase.TAKE_OVER and now - memory.entered < STREAM_FIRST:
@@ -238,9 +255,11 @@ def _requested(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, 
     if memory.phase is Phase.RELEASE and status.armed is not False:
         return memory, None, False  # a failsafe that flies is left alone; on the ground OFFBOARD is ended for good
     lost = memory.last_event is Event.STALE
-    later, sent = asked(asking, memory.answer, status, memory.phase, now, lost=lost)
+    later, sent = update_asking(asking, memory.request.answer, status, memory.phase, now, lost=lost)
     if sent and asking.request is Request.OFFBOARD and not memory.done.begun:
         memory = memory._replace(done=memory.done._replace(begun=True))
     if sent and asking.request is Request.HOLD:
         memory = memory._replace(done=memory.done._replace(hold_asked=memory.done.hold_asked + 1))
-    return memory if later is asking else memory._replace(asking=later), asking.request, sent
+    if later is not asking:
+        memory = memory._replace(request=memory.request._replace(asking=later))
+    return memory, asking.request, sent

@@ -52,8 +52,8 @@ def drawn(mission: Mission, home: LocalFrame, tolerance: float) -> Plan:
     def add(command: int, frame: int, *params: float) -> None:
         items.append(Item(command, frame, params, len(items) + 1, ("mission", "items", len(items))))
 
-    told = abs(mission.alpha(0.5 * (legs[0] + legs[1])))
-    speed = told
+    first_speed = abs(mission.alpha(0.5 * (legs[0] + legs[1])))
+    speed = first_speed
     for i, s in enumerate(legs):
         latitude, longitude, altitude = home.to_global(table.at(s)[0])
         heading = nan if isinstance(mission.yaw, TangentYaw) else math.degrees(mission.beta(s)) % 360.0
@@ -78,7 +78,7 @@ def drawn(mission: Mission, home: LocalFrame, tolerance: float) -> Plan:
             add(MAV_CMD_DO_JUMP, MAV_FRAME_MISSION, 1.0, repeats, 0.0, 0.0, 0.0, 0.0, 0.0)
     fence = mission.fence_n
     areas = () if fence is None else _areas(fence, home)
-    return Plan(tuple(items), Home(home.latitude, home.longitude, home.altitude), round(told, 2), areas)
+    return Plan(tuple(items), Home(home.latitude, home.longitude, home.altitude), round(first_speed, 2), areas)
 
 
 def waypoint_arcs(mission: Mission, tolerance: float) -> list[float]:

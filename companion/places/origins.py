@@ -77,18 +77,17 @@ def origin_in(origin: Origin | GlobalOrigin, where: VehicleLocation) -> Vec3:
 
 def home_in(where: VehicleLocation) -> Vec3:
     """The vehicle's home in its local frame, m. PlaceError: it is not known."""
-    told = where.home_n
     if where.frame is None or where.home is None:
-        if told is None:
+        if where.home_n is None:
             raise NotKnownError(
                 "origin: home is not known, the vehicle has not set one (HOME_POSITION); wait for its GPS"
             )
-        return told
+        return where.home_n
     # the place on the earth counts: home_n may be older than the frame's present origin
     home_n = where.frame.to_local(*where.home)
-    if told is not None and math.dist(told, home_n) > HOME_AGREES:
-        apart = f"{math.dist(told, home_n):.0f} m apart"
-        raise PlaceError(f"origin: home is told in two ways that are {apart}; set home again, or name another origin")
+    if where.home_n is not None and math.dist(where.home_n, home_n) > HOME_AGREES:
+        apart = f"{math.dist(where.home_n, home_n):.0f} m apart"
+        raise PlaceError(f"origin: home is given twice, {apart}; set home again, or name another origin")
     return home_n
 
 

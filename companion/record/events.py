@@ -37,7 +37,7 @@ BACK_FOR = 1.0
 """s for which it must stay there to count as back (engineering choice)."""
 
 
-class Happening(NamedTuple):
+class FlightEvent(NamedTuple):
     """Something that happened while following. ``begin``, ``end``: s of following.
 
     ``error_max``: m, the largest path error from its begin until the vehicle was back; ``error_at_end``: m;
@@ -76,30 +76,33 @@ OWN = ("at_limit", "slowed")
 """Kinds that are the flight's own state, not something that was done to it."""
 
 
-def happenings(told: Series, table: Table, simulation: dict[str, Any] | None) -> list[Happening]:
+def flight_events(estimated: Series, table: Table, simulation: dict[str, Any] | None) -> list[FlightEvent]:
     """Everything that happened in the followed part, in the order of its begin."""
-    if len(told["t"]) < 2:
+    if len(estimated["t"]) < 2:
         return []
     found = []
-    if told["path_error"][0] > START_OFF:
-        speed = abs(told["speed"][0])
-        what = f"began {told['path_error'][0]:.1f} m off the path, at {speed:.1f} of {abs(told['alpha'][0]):.1f} m/s"
-        found.append(_measured(told, "start", what, 0.0, 0.0))
-    done = [_measured(told, *event) for event in _world_events(told, table, simulation)]
+    if estimated["path_error"][0] > START_OFF:
+        speed = abs(estimated["speed"][0])
+        off, asked = estimated["path_error"][0], abs(estimated["alpha"][0])
+        what = f"began {off:.1f} m off the path, at {speed:.1f} of {asked:.1f} m/s"
+        found.append(_measured(estimated, "start", what, 0.0, 0.0))
+    done = [_measured(estimated, *event) for event in _world_events(estimated, table, simulation)]
     found += done
-    for begin, end in _spans(told, _standing(told), STANDING_FOR):
+    for begin, end in _spans(estimated, _standing(estimated), STANDING_FOR):
         if not any(each.begin - 1.0 < end and begin < each.end + 1.0 for each in done if each.kind == "hold"):
-            found.append(_measured(told, "stood", "stood still, though the path goes on", begin, end))
-    for begin, end in _spans(told, told["saturated"] > 0.0, LIMIT_FOR):
-        found.append(_measured(told, "at_limit", "a limit of the vehicle was met", begin, end))
+            found.append(_measured(estimated, "stood", "stood still, though the path goes on", begin, end))
+    for begin, end in _spans(estimated, estimated["saturated"] > 0.0, LIMIT_FOR):
+        found.append(_measured(estimated, "at_limit", "a limit of the vehicle was met", begin, end))
     # records from before the pace was written have none
-    slowed = np.nan_to_num(told.get("pace", np.ones(len(told["t"]))), nan=1.0) < SLOWED_BELOW
-    for begin, end in _spans(told, slowed, LIMIT_FOR):
-        found.append(_measured(told, "slowed", "slowed down: the path asks for more than the vehicle has", begin, end))
+    slowed = np.nan_to_num(estimated.get("pace", np.ones(len(estimated["t"]))), nan=1.0) < SLOWED_BELOW
+    for begin, end in _spans(estimated, slowed, LIMIT_FOR):
+        found.append(
+            _measured(estimated, "slowed", "slowed down: the path asks for more than the vehicle has", begin, end)
+        )
     return sorted(found, key=lambda each: each.begin)
 
 
-def in_words(each: Happening) -> str:
+def in_words(each: FlightEvent) -> str:
     """One sentence: what happened, and what the vehicle did."""
     lasted = "" if each.end <= each.begin else f" for {each.end - each.begin:.1f} s"
     said = f"{each.begin:.1f} s: {each.what}{lasted}"
@@ -123,10 +126,12 @@ def length_in_words(metres: float) -> str:
     return f"{metres:.2f} m" if metres >= 1.0 else f"{100.0 * metres:.1f} cm"
 
 
-def _world_events(told: Series, table: Table, simulation: dict[str, Any] | None) -> list[tuple[str, str, float, float]]:
+def _world_events(
+    estimated: Series, table: Table, simulation: dict[str, Any] | None
+) -> list[tuple[str, str, float, float]]:
     """(kind, what, begin, end) of the world's events that fell into following."""
     offboard, found = offboard_at(table), []
-    stamps, t = told["t_boot"], told["t"]
+    stamps, t = estimated["t_boot"], estimated["t"]
     for event in (simulation or {}).get("events", []):
         zero = 0.0 if event["after"] == "start" else offboard
         if zero is None:
@@ -153,32 +158,32 @@ def offboard_at(table: Table) -> float | None:
     return float(later[0]) if len(later) else None
 
 
-def _measured(told: Series, kind: str, what: str, begin: float, end: float) -> Happening:
-    t = told["t"]
-    back = None if kind in OWN else _back(told, end)
+def _measured(estimated: Series, kind: str, what: str, begin: float, end: float) -> FlightEvent:
+    t = estimated["t"]
+    back = None if kind in OWN else _back(estimated, end)
     until = end if kind in OWN else float(t[-1]) if back is None else end + back
     rows = (t >= begin) & (t <= max(until, begin))
     if not rows.any():
         rows = np.arange(len(t)) == int(np.argmin(np.abs(t - begin)))
     last = min(int(np.searchsorted(t, end)), len(t) - 1)
-    alpha = float(np.mean(np.abs(told["alpha"][rows])))
-    return Happening(
+    alpha = float(np.mean(np.abs(estimated["alpha"][rows])))
+    return FlightEvent(
         kind,
         what,
         begin,
         end,
-        float(np.max(told["path_error"][rows])),
-        float(told["path_error"][last]),
-        float(np.max(np.abs(told["speed"][rows]))),
+        float(np.max(estimated["path_error"][rows])),
+        float(estimated["path_error"][last]),
+        float(np.max(np.abs(estimated["speed"][rows]))),
         back,
         alpha * (end - begin),
     )
 
 
-def _back(told: Series, end: float) -> float | None:
+def _back(estimated: Series, end: float) -> float | None:
     """s from ``end`` until the vehicle stays near the path and at its speed."""
-    t, alpha = told["t"], np.abs(told["alpha"])
-    there = (told["path_error"] <= BACK_PATH) & (np.abs(told["speed_error"]) <= BACK_SPEED * alpha)
+    t, alpha = estimated["t"], np.abs(estimated["alpha"])
+    there = (estimated["path_error"] <= BACK_PATH) & (np.abs(estimated["speed_error"]) <= BACK_SPEED * alpha)
     for index in np.flatnonzero(there & (t >= end)):
         rows = (t >= t[index]) & (t <= t[index] + BACK_FOR)
         if there[rows].all():
@@ -186,13 +191,15 @@ def _back(told: Series, end: float) -> float | None:
     return None
 
 
-def _standing(told: Series) -> NDArray[np.bool_]:
-    return (np.abs(told["speed"]) < STANDING_SHARE * np.abs(told["alpha"])) & (np.abs(told["ramp"]) > 0.99)
+def _standing(estimated: Series) -> NDArray[np.bool_]:
+    return (np.abs(estimated["speed"]) < STANDING_SHARE * np.abs(estimated["alpha"])) & (
+        np.abs(estimated["ramp"]) > 0.99
+    )
 
 
-def _spans(told: Series, flags: NDArray[np.bool_], least: float) -> list[tuple[float, float]]:
+def _spans(estimated: Series, flags: NDArray[np.bool_], least: float) -> list[tuple[float, float]]:
     """(begin, end) of the longest stretches where ``flags`` hold, near ones told as one, in the order of time."""
-    t = told["t"]
+    t = estimated["t"]
     spans: list[tuple[float, float]] = []
     edges = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(int)))
     for first, after in zip(edges[::2], edges[1::2], strict=True):

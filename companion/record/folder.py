@@ -45,7 +45,7 @@ NOTES_WAITING = 5_000
 BYTES_PER_SECOND = 280_000
 """Of the record of a link with 250 states a second; bench/soak measures 50 kB of flight.npy and 60 kB of link.tlog at
 100 states a second."""
-ROOM = 10 * 60 * BYTES_PER_SECOND
+SPACE_MIN = 10 * 60 * BYTES_PER_SECOND
 """Bytes free below which it is said how much of a flight they hold: ten minutes (engineering choice)."""
 
 
@@ -108,7 +108,7 @@ class Recorder:
         except OSError as error:
             self._place.judge(error)
             self._fail(error)
-        self._look_for_room()
+        self._check_space()
 
     @property
     def simulation(self) -> dict[str, Any] | None:
@@ -273,10 +273,10 @@ class Recorder:
                 f"the flight folder {self.directory} was deleted; the flight goes on, and nothing of it will be left"
             )
 
-    def _look_for_room(self) -> None:
+    def _check_space(self) -> None:
         with contextlib.suppress(OSError):
             free = shutil.disk_usage(self.directory).free
-            if free < ROOM:
+            if free < SPACE_MIN:
                 self.words.append(
                     f"warning: only {free / 1e6:.0f} MB are free for the record, about {free / BYTES_PER_SECOND:.0f} s "
                     "of flight; the flight is flown, and its record ends when the disk is full"

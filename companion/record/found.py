@@ -17,26 +17,26 @@ SLOWED = 0.99
 Columns = Mapping[str, NDArray[np.float64]]
 
 
-def found(told: Columns) -> dict[str, Any] | None:
+def found(estimated: Columns) -> dict[str, Any] | None:
     """The last estimates of following, and the pace; None for an output that estimates nothing."""
-    if not len(told["t"]) or "thrust_scale" not in told or not math.isfinite(told["thrust_scale"][-1]):
+    if not len(estimated["t"]) or "thrust_scale" not in estimated or not math.isfinite(estimated["thrust_scale"][-1]):
         return None
-    pace = told["pace"]
+    pace = estimated["pace"]
     return {
-        "thrust_scale": float(told["thrust_scale"][-1]),
-        "drag_per_s": float(told["drag"][-1]),
-        "disturbance_mps2": [float(told[f"push_{axis}"][-1]) for axis in ("north", "east", "down")],
-        "delay_s": float(told["delay"][-1]),
-        "rate_loop_lag_s": float(told["rate_lag"][-1]),
-        "yaw_loop_lag_s": _last(told, "yaw_lag"),
-        "path_pole_per_s": None if _last(told, "path_pole") is None else _poles(told["path_pole"]),
+        "thrust_scale": float(estimated["thrust_scale"][-1]),
+        "drag_per_s": float(estimated["drag"][-1]),
+        "disturbance_mps2": [float(estimated[f"push_{axis}"][-1]) for axis in ("north", "east", "down")],
+        "delay_s": float(estimated["delay"][-1]),
+        "rate_loop_lag_s": float(estimated["rate_lag"][-1]),
+        "yaw_loop_lag_s": _last(estimated, "yaw_lag"),
+        "path_pole_per_s": None if _last(estimated, "path_pole") is None else _poles(estimated["path_pole"]),
         "pace": {"min": float(np.min(pace)), "slowed_fraction": float(np.mean(pace < SLOWED))},
     }
 
 
-def _last(told: Columns, column: str) -> float | None:
+def _last(estimated: Columns, column: str) -> float | None:
     """The last value; None where the record has none."""
-    return float(told[column][-1]) if column in told and math.isfinite(told[column][-1]) else None
+    return float(estimated[column][-1]) if column in estimated and math.isfinite(estimated[column][-1]) else None
 
 
 def _poles(values: NDArray[np.float64]) -> dict[str, float]:

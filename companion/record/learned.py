@@ -39,16 +39,16 @@ def recalled(file: Path | None) -> Learned | None:
     if file is None:
         return None
     try:
-        told = json.loads(read_owned(file) or "")
-        age = max(0.0, (time.time() - float(told["flown_at"])) / DAY)
+        document = json.loads(read_owned(file) or "")
+        age = max(0.0, (time.time() - float(document["flown_at"])) / DAY)
         learned = Learned(
-            hover_thrust=float(told["hover_thrust"]),
-            drag=float(told["drag_per_s"]),
-            rate_lag=float(told["rate_loop_lag_s"]),
+            hover_thrust=float(document["hover_thrust"]),
+            drag=float(document["drag_per_s"]),
+            rate_lag=float(document["rate_loop_lag_s"]),
             age_days=age,
-            hover_thrust_std=float(told.get("hover_thrust_std", 0.0)),
-            drag_std=float(told.get("drag_std_per_s", 0.0)),
-            yaw_lag=float(told.get("yaw_loop_lag_s", 0.0)),
+            hover_thrust_std=float(document.get("hover_thrust_std", 0.0)),
+            drag_std=float(document.get("drag_std_per_s", 0.0)),
+            yaw_lag=float(document.get("yaw_loop_lag_s", 0.0)),
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
@@ -57,7 +57,7 @@ def recalled(file: Path | None) -> Learned | None:
 
 def remembered(file: Path, learned: Learned) -> bool:
     """Keep ``learned``; whether that was possible. A file half written is never left behind."""
-    told = {
+    document = {
         "schema": SCHEMA,
         "hover_thrust": round(learned.hover_thrust, 4),
         "hover_thrust_std": round(learned.hover_thrust_std, 5),
@@ -67,4 +67,4 @@ def remembered(file: Path, learned: Learned) -> bool:
         "yaw_loop_lag_s": round(learned.yaw_lag, 3),
         "flown_at": round(time.time(), 1),
     }
-    return write_owned(file, json.dumps(told, indent=2) + "\n")
+    return write_owned(file, json.dumps(document, indent=2) + "\n")

@@ -17,7 +17,7 @@ from companion.config.vehicle import vehicle_from
 from companion.estimation.learned import Learned
 from companion.feasibility.auto import flyable
 from companion.flight.conduct import from_dict
-from companion.geodesy import HomeTold
+from companion.geodesy import GivenHome
 from companion.plan import Plan, law_level, prepared
 from companion.record import rows
 from companion.record.table import Table, read_table
@@ -67,7 +67,7 @@ def load_flight(directory: Path) -> Recorded:
         level = OutputLevel(resolved["output"])
         x, y, z = resolved["origin_n"]
         turn = float(resolved["turn_rad"])
-        told = HomeTold(*resolved.get("home_told", ()))
+        given = GivenHome(*resolved.get("home_told", ()))
         begun_at = float(resolved["begun_at"])
         tuning = Tuning(**resolved["tuning"])
         conduct = from_dict(resolved["conduct"])
@@ -90,7 +90,7 @@ def load_flight(directory: Path) -> Recorded:
         message = f"cannot be read: {what}; expected it as the flight wrote it"
         raise ConfigError([Fault(str(reading), 1, "", message)]) from None
     machine = replace(vehicle_from(vehicle), motors=MotorInterface(resolved["motors"]))
-    read = mission_from(mission, law_level(level), directory, told, simulated=True)
+    read = mission_from(mission, law_level(level), directory, given, simulated=True)
     flown = flyable(read, machine).placed((x, y, z), turn)
     plan = prepared(flown, machine, level, (x, y, z), resolved["duration_s"], tuning, conduct, learned)
     cuts = tuple(words for words in (cut, truth_cut) if words is not None)
@@ -114,14 +114,14 @@ def replay(flight: Recorded) -> Replayed:
         raise ConfigError([Fault("flight.npy", 0, "", message)])
     memory = pilot.begin(flight.begun_at)
     setpoints = 0
-    names = [column.name for column in rows.DONE]
+    names = [column.name for column in rows.OUTCOME_COLUMNS]
     recorded = flight.table[names]
     for index, row in enumerate(flight.table):
-        seen, now = rows.seen_again(row)
+        seen, now = rows.observation_of(row)
         memory, outcome = pilot.step(flight.plan_at(now), memory, seen, now)
-        again = np.array([rows.done_part(memory, outcome)], dtype=rows.DONE_DTYPE)
+        again = np.array([rows.outcome_row(memory, outcome)], dtype=rows.OUTCOME_DTYPE)
         setpoints += outcome.setpoint is not None
-        if again[0].tobytes() != np.array([tuple(recorded[index])], dtype=rows.DONE_DTYPE).tobytes():
+        if again[0].tobytes() != np.array([tuple(recorded[index])], dtype=rows.OUTCOME_DTYPE).tobytes():
             was, now_is = tuple(recorded[index].tolist()), tuple(again[0].tolist())
             changed = ", ".join(f"{n} {a} -> {b}" for n, a, b in zip(names, was, now_is, strict=True) if a != b)
             return Replayed(index + 1, setpoints, f"tick {index} at {now:.3f} s: {changed}")

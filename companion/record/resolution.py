@@ -28,7 +28,7 @@ def resolution(
         "motors": plan.vehicle.motors.value,
         "origin_n": list(plan.mission.placement.origin_n),
         "turn_rad": plan.mission.placement.turn,
-        "home_told": list(plan.mission.home_told),
+        "home_told": list(plan.mission.given_home),
         "duration_s": plan.duration,
         "tuning": plan.tuning._asdict(),
         "conduct": to_dict(plan.conduct),

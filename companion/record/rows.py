@@ -30,7 +30,7 @@ NONE = -1
 FACTS = ("armed", "mode", "intended", "landed", "ready", "failsafe", "battery", "estimator")
 """The facts of VehicleStatus, each with the time when it was said."""
 
-SEEN = (
+OBSERVATION_COLUMNS = (
     Column("now", "d", "s, our monotonic clock"),
     Column("fresh", "b", "1: a state arrived with this tick; the columns t_boot to resets are it"),
     Column("t_boot", "d", "s, the vehicle's stamp of the state"),
@@ -65,7 +65,7 @@ SEEN = (
     ),
 )
 
-DONE = (
+OUTCOME_COLUMNS = (
     Column("phase", "b", "index of phases.Phase after the tick"),
     Column("request", "b", "index of phases.Request that stands, -1 none"),
     Column("asked", "b", "1: it was sent at this tick"),
@@ -81,7 +81,7 @@ DONE = (
     ),
 )
 
-TOLD = (
+LAW_COLUMNS = (
     Column("zeta", "d", "N, the thrust the law integrates"),
     Column("zeta_dot", "d", "N/s"),
     Column("thrust", "d", "N, the collective thrust sent"),
@@ -108,8 +108,8 @@ TOLD = (
     Column("latency", "f", "s from the arrival of the state to the return of the setpoint's send"),
 )
 
-COLUMNS = SEEN + DONE + TOLD
-DONE_DTYPE = dtype_of(DONE)
+COLUMNS = OBSERVATION_COLUMNS + OUTCOME_COLUMNS + LAW_COLUMNS
+OUTCOME_DTYPE = dtype_of(OUTCOME_COLUMNS)
 
 E = TypeVar("E", bound=enum.Enum)
 
@@ -150,17 +150,17 @@ _NOT_SENT = (math.nan,) * 5
 """The columns of a setpoint where none was sent."""
 
 
-def seen_part(observation: Observation, now: float) -> Row:
-    """The columns ``SEEN``."""
+def observation_row(observation: Observation, now: float) -> Row:
+    """The columns ``OBSERVATION_COLUMNS``."""
     state, status, answer = observation.state, observation.status, observation.answer
     said = status.last
     if state is None:
-        told: Row = _NO_STATE
+        state_row: Row = _NO_STATE
     else:
-        told = (1, state.t_boot, *state.p_n, *state.v_n, *state.q_nb, *state.w_b, state.resets)
+        state_row = (1, state.t_boot, *state.p_n, *state.v_n, *state.q_nb, *state.w_b, state.resets)
     return (
         now,
-        *told,
+        *state_row,
         _flag(said.armed),
         _index(said.mode),
         _index(said.intended),
@@ -178,7 +178,7 @@ def seen_part(observation: Observation, now: float) -> Row:
         observation.companions,
         observation.speed_scale,
         observation.late,
-        _number(observation.clock_pace),
+        _number(observation.clock_rate),
         int(status.was_armed),
         *(value for fact in status[: len(FACTS)] for value in _age(fact)),
     )
@@ -188,7 +188,7 @@ def _age(fact: Any) -> tuple[float, float]:
     return (math.nan, math.nan) if fact is None else (fact.at, fact.lasts)
 
 
-def sent_part(setpoint: Setpoint | None) -> tuple[int, float, float, float, float, float]:
+def setpoint_row(setpoint: Setpoint | None) -> tuple[int, float, float, float, float, float]:
     """The columns ``setpoint`` and ``sent_0`` to ``sent_4``."""
     if isinstance(setpoint, MotorSetpoint):
         a, b, c, d = setpoint.commands
@@ -202,23 +202,23 @@ def sent_part(setpoint: Setpoint | None) -> tuple[int, float, float, float, floa
     return (0, *_NOT_SENT)
 
 
-def done_part(memory: Memory, outcome: Outcome) -> Row:
-    """The columns ``DONE``."""
+def outcome_row(memory: Memory, outcome: Outcome) -> Row:
+    """The columns ``OUTCOME_COLUMNS``."""
     return (
         _index(memory.phase),
         _index(outcome.request),
         int(outcome.sent),
         len(outcome.actions),
-        *sent_part(outcome.setpoint),
+        *setpoint_row(outcome.setpoint),
     )
 
 
 def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> Row:
     """One row of the flight table."""
-    steered, progress, state = outcome.steered, memory.progress, memory.state
+    steered, progress, state = outcome.steered, memory.path.progress, memory.state
     return (
-        *seen_part(observation, now),
-        *done_part(memory, outcome),
+        *observation_row(observation, now),
+        *outcome_row(memory, outcome),
         *(
             (math.nan,) * 3 + (0,)
             if steered is None
@@ -238,7 +238,7 @@ def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, 
             )
         ),
         math.nan if state is None else tilt(state.r_nb),
-        math.nan if steered is None else steered.pace,
+        math.nan if steered is None else steered.governor,
         *_found(None if steered is None else steered.estimates),
         latency,
     )
@@ -251,7 +251,7 @@ def _found(estimates: Estimates | None) -> Row:
     return (scale, drag, *disturbance, *bias, delay, *rest)
 
 
-def seen_again(row: Any) -> tuple[Observation, float]:
+def observation_of(row: Any) -> tuple[Observation, float]:
     """What the pilot saw at a row of the table, and when."""
     state = None
     if row["fresh"]:

@@ -52,18 +52,18 @@ def stretches(table: Table) -> Array:
     return np.where(following, np.cumsum(begins), 0).astype(float)
 
 
-def true_series(plan: Plan, told: dict[str, Array], truth: Table) -> dict[str, Array]:
+def true_series(plan: Plan, estimated: dict[str, Array], truth: Table) -> dict[str, Array]:
     """The same from the plant's true state, while the companion was following."""
-    t_boot = told["t_boot"]
+    t_boot = estimated["t_boot"]
     if len(t_boot) == 0 or len(truth) == 0:
         return _nothing()
     rows = truth[(truth["t_boot"] >= t_boot[0]) & (truth["t_boot"] <= t_boot[-1])]
-    rows = rows[np.interp(rows["t_boot"], t_boot, told["stretch"]) % 1.0 == 0.0]
+    rows = rows[np.interp(rows["t_boot"], t_boot, estimated["stretch"]) % 1.0 == 0.0]
     if len(rows) > 1:
         stride = max(1, round(1.0 / TRUTH_RATE / float(np.median(np.diff(rows["t_boot"])))))
         rows = rows[::stride]
     names = ("stretch", "t", "since", "ramp", "speed_scale")
-    then = (np.interp(rows["t_boot"], t_boot, told[name]) for name in names)
+    then = (np.interp(rows["t_boot"], t_boot, estimated[name]) for name in names)
     collected = []
     s: float | None = None
     travelled, flown = 0.0, 0.0

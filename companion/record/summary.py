@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from companion.plan import Plan
 from companion.record.circumstances import software_version
-from companion.record.events import happenings
+from companion.record.events import flight_events
 from companion.record.found import found, found_words
 from companion.record.series import FOLLOW, PHASES, followed_series, stretches, true_series
 from companion.record.table import Table
@@ -32,7 +32,7 @@ def summary(
     simulation: Figures | None = None,
 ) -> Figures:
     """The JSON of contract ``companion.flight/1``. ``simulation``: the world, as resolved.json tells it."""
-    told = followed_series(table)
+    estimated = followed_series(table)
     result: Figures = {
         "schema": "companion.flight/1",
         "mission": plan.mission.name,
@@ -41,22 +41,22 @@ def summary(
         "outcome": outcome,
         "reason": reason,
         "phases": _phases(table),
-        "follow": _figures(told, plan),
-        "settled": _settled(told, plan, settle),
+        "follow": _figures(estimated, plan),
+        "settled": _settled(estimated, plan, settle),
     }
     if truth is not None:
-        true = true_series(plan, told, truth)
+        true = true_series(plan, estimated, truth)
         result["truth"] = {
             "follow": _figures(true, plan),
             "settled": _settled(true, plan, settle),
             "flight": _whole(truth),
         }
     result["loop"] = _loop(table)
-    result["found"] = found(told)
+    result["found"] = found(estimated)
     result["version"] = software_version()
     result["simulation"] = simulation
-    result["events"] = [each.document for each in happenings(told, table, simulation)]
-    result["notes"] = _notes(told, plan) + found_words(result["found"], plan.vehicle)
+    result["events"] = [each.document for each in flight_events(estimated, table, simulation)]
+    result["notes"] = _notes(estimated, plan) + found_words(result["found"], plan.vehicle)
     result["record"] = record
     return result
 
@@ -193,17 +193,17 @@ def _loop(table: Table) -> Figures:
     }
 
 
-def _notes(told: dict[str, Array], plan: Plan) -> list[str]:
+def _notes(estimated: dict[str, Array], plan: Plan) -> list[str]:
     """What a reader should be told in words."""
     notes = []
-    if plan.level is OutputLevel.MOTORS and len(told["t"]):
-        forces = np.stack([told[f"sent_{i}"] * rotor.thrust_max for i, rotor in enumerate(plan.vehicle.rotors)])
+    if plan.level is OutputLevel.MOTORS and len(estimated["t"]):
+        forces = np.stack([estimated[f"sent_{i}"] * rotor.thrust_max for i, rotor in enumerate(plan.vehicle.rotors)])
         if np.min(forces) < 0.0:
             motor, tick = np.unravel_index(int(np.argmin(forces)), forces.shape)
             share = float(np.mean(np.any(forces < 0.0, axis=0)))
             notes.append(
                 f"the motors go negative: least {forces[motor, tick]:.1f} N on motor {motor + 1} at "
-                f"{told['t'][tick]:.2f} s of following ({told['s'][tick]:.1f} m along the path), "
+                f"{estimated['t'][tick]:.2f} s of following ({estimated['s'][tick]:.1f} m along the path), "
                 f"some motor below zero {100.0 * share:.0f} % of the time; a real rotor only pushes"
             )
     return notes

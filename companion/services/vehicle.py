@@ -58,7 +58,7 @@ class ConnectedVehicle:
         try:
             every = Param(self.system).get_all_params()
         except ParamError as error:
-            raise ServiceError(f"the vehicle does not tell its parameters: {error}") from None
+            raise ServiceError(f"the vehicle does not answer for its parameters: {error}") from None
         return {each.name: each.value for each in (*every.int_params, *every.float_params)}
 
     def identity(self) -> str:

@@ -22,10 +22,10 @@ from companion.thrust_range import thrust_range
 from companion.vehicle import Vehicle
 
 TILT_MARGIN = math.radians(2.0)
-"""rad: the steady tilt of a path may be so much over the vehicle's limit, and stays so much under its failure detector.
-"""
+"""rad: the steady tilt of a path may be so much over the vehicle's limit, and stays so much under its failure
+detector. Engineering choice."""
 TILT_MAX = math.radians(80.0)
-"""rad, of a vehicle without a limit: its tangent is still a number."""
+"""rad, of a vehicle without a limit: its tangent is still a number. Engineering choice."""
 
 
 def pole_choice(path_pole: float) -> PoleChoice:

@@ -10,13 +10,15 @@ from companion.frames import Quaternion, Vec3, multiply, normalised
 from companion.vehicle import AttitudeSetpoint, RateSetpoint, Setpoint, Tuning
 
 PX4_GAINS: Vec3 = (6.5, 6.5, 2.8)
-"""1/s: PX4's defaults of MC_ROLL_P, MC_PITCH_P, MC_YAW_P, where the vehicle did not say."""
+"""1/s, of roll, pitch and yaw, where the vehicle does not say MC_ROLL_P, MC_PITCH_P, MC_YAW_P: PX4's defaults until
+June 2026 (since then 4.0 for roll and pitch). The larger is the safe guess: the vehicle then turns slower than
+commanded, not faster."""
 YAW_WEIGHT = 0.4
-"""PX4's default of MC_YAW_WEIGHT."""
+"""Factor on the yaw error. PX4's default of MC_YAW_WEIGHT."""
 HALF_ERROR_MAX = 0.9
-"""Sine of half the tilt error, at most: 128 degrees. Engineering choice: short of the singularity at 180."""
+"""Ratio: sine of half the tilt error, at most: 128 degrees. Engineering choice: short of the singularity at 180."""
 HALF_TWIST_MAX = 0.5
-"""Sine of half the shortened twist, at most. Engineering choice: 2.6 rad of yaw error."""
+"""Ratio: sine of half the shortened twist, at most. Engineering choice: 2.6 rad of yaw error."""
 
 
 class Encoding(Protocol):
@@ -90,8 +92,8 @@ class AsAttitude:
 
 def as_attitude(tuning: Tuning) -> AsAttitude:
     """For a vehicle's own gains."""
-    told = (tuning.roll_p, tuning.pitch_p, tuning.yaw_p)
-    kx, ky, kz = (usual if own is None else own for own, usual in zip(told, PX4_GAINS, strict=True))
+    gains = (tuning.roll_p, tuning.pitch_p, tuning.yaw_p)
+    kx, ky, kz = (usual if own is None else own for own, usual in zip(gains, PX4_GAINS, strict=True))
     # critically damped: what changes slowly comes out 2 / wn late
     smoothing = 2.0 / tuning.smoothing if tuning.smoothing else 0.0
     return AsAttitude((kx, ky, kz), smoothing)

@@ -21,7 +21,7 @@ THRUST_MIN = 0.05
 THRUST_MAX = 0.97
 """Normalised, the most that is sent. Engineering choice: a little is left for the vehicle's own rate loop."""
 THRUST_NEAR_SATURATION = 0.9
-"""Normalised thrust above which single motors meet their limits and nothing is learned."""
+"""Normalised thrust above which single motors meet their limits and nothing is learned. Engineering choice."""
 LEVEL_GAIN = 3.0
 """1/s, from the tilt to the rate that levels. Engineering choice: half of PX4's MC_ROLL_P."""
 LEVEL_RATE_MAX = 2.0

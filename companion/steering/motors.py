@@ -58,7 +58,7 @@ from companion.thrust_range import THRUST_USED_MAX, ThrustRange
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
 
 NO_DISTURBANCE: Vec3 = (0.0, 0.0, 0.0)
-"""m/s^2, NED."""
+"""m/s^2, NED. By definition."""
 LEVEL_FREQUENCY = 6.0
 """rad/s of the PD law that levels, critically damped. Engineering choice: PX4's MC_ROLL_P is 6.5 1/s."""
 YAW_DAMPING = 4.0
@@ -257,7 +257,7 @@ class MotorSteering:
             saturated=bound or allocated.saturated,
             thrust_share=share,
             converged=estimate.motion.estimator.converged or not self._observes,
-            pace=memory.governor.value,
+            governor=memory.governor.value,
             estimates=estimates_of(estimate.motion, timing.delay, timing.lag) if self._observes else None,
             rotor_left=self._rotor_left(estimate) if self._observes else 1.0,
         )

@@ -18,19 +18,19 @@ from typing import NamedTuple
 from companion.frames import Vec3
 
 ROUGHNESS_MOST = math.radians(3.5)
-"""rad/s, of roll and pitch rate commanded, RMS of second differences over sqrt(6). On sih_noisy at -6 it is 1.7 to 1.9
-deg/s, and slower poles cost more of the path (3.2 cm at -4, not 2.4) than the noise is worth; twice that comes to this.
-"""
+"""rad/s, of roll and pitch rate commanded, RMS of second differences over sqrt(6). Simulated on sih_noisy: at
+-6 it is 1.7 to 1.9 deg/s, and slower poles cost more of the path (3.2 cm at -4, not 2.4) than the noise is worth; twice
+that comes to this."""
 ROUGHNESS_TIME = 2.0
 """s over which it is averaged. Engineering choice."""
 KNOWN_AFTER = 1.0
 """s of commands before the path after which the roughness is believed. Engineering choice."""
 LOWERING_TIME = 5.0
-"""s in which poles are lowered from 1 to nothing at the soonest."""
+"""s in which poles are lowered from 1 to nothing at the soonest. Engineering choice."""
 STEP_MAX = 0.03
-"""s between two commands beyond which their differences are motion too."""
+"""s between two commands beyond which their differences are motion too. Engineering choice."""
 SECOND_DIFFERENCE = 6.0
-"""Variance of the second difference of white noise, over its own: 1 + 4 + 1."""
+"""Ratio of the variance of the second difference of white noise to its own: 1 + 4 + 1. By definition."""
 
 
 class PathPoles(NamedTuple):

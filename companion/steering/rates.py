@@ -78,7 +78,7 @@ from companion.thrust_range import ThrustRange
 from companion.vehicle import Setpoint, Vehicle, VehicleState
 
 UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
-"""The attitude where none is known."""
+"""Number: the unit quaternion, the attitude where none is known. By definition."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,7 +272,7 @@ class RateSteering:
             saturated=limited,
             thrust_share=thrust.sent,
             converged=estimate.motion.estimator.converged,
-            pace=memory.governor.value,
+            governor=memory.governor.value,
             estimates=estimates_of(estimate.motion, timing.delay, timing.lag - timing.smoothing)._replace(
                 yaw_lag=estimate.rate_loop.yaw_lag, path_pole=self.path_pole * memory.poles.scale
             ),

@@ -14,6 +14,7 @@ from companion.estimation.kalman_step import DRAG, THRUST_SCALE
 from companion.estimation.learned import FLIGHT_TIME_MIN, Learned
 from companion.estimation.motion_estimate import MotionEstimate
 from companion.estimation.predictor import ForceModel
+from companion.estimation.rate_loop_identification import GAP_MAX as IDENTIFICATION_GAP_MAX
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.law.speed_scale import UNITY, SpeedScale
@@ -24,7 +25,7 @@ GAP_MAX = 0.5
 """s without a state after which what was flown meanwhile is not known. Engineering choice."""
 MOVING_SPEED_MIN = 0.5
 """m/s: a vehicle told to fly faster is expected to move. Engineering choice."""
-COMMANDS_KEPT = 0.06
+COMMANDS_KEPT = IDENTIFICATION_GAP_MAX
 """s that commands are kept after they have acted: the longest gap that the identification bridges."""
 
 

@@ -32,13 +32,13 @@ LOOK_AHEAD_MIN = 0.5
 SMOOTHING_TIME = 0.15
 """s, time constant with which a change of the speed sets in. Engineering choice: no step in the acceleration."""
 SPEED_SCALE_MIN = 0.25
-"""The least share of the mission's speed. Engineering choice: a path that cannot be flown at all is flown slowly."""
+"""Share of the mission's speed, at least. Engineering choice: a path that cannot be flown at all is flown slowly."""
 SUSTAINED_THRUST_MAX = 0.96
-"""Of the largest thrust, for what is sustained. Engineering choice: 4 % are left for turning and errors."""
+"""Share of the largest thrust, for what is sustained. Engineering choice: 4 % are left for turning and errors."""
 SUSTAINED_TIME = 0.5
 """s for which a thrust counts as sustained. Engineering choice: some ten motor lags."""
 BISECTIONS = 8
-"""Steps of the search for the fastest speed: to 0.3 % of the mission's."""
+"""Number of steps of the search for the fastest speed. Engineering choice: to 0.3 % of the mission's."""
 
 
 class Capability(NamedTuple):

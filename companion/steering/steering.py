@@ -56,7 +56,7 @@ class Steered(NamedTuple):
     ``setpoint``: clamped and finite. ``memory``: for the next step. ``command``: what the law asked for. ``zeta``: N,
     ``zeta_dot``: N/s, the dynamic extension (Eq. 4). ``thrust_n``: N, the collective thrust that was sent.
     ``saturated``: whether a limit was met. ``thrust_share``: of the largest thrust. ``converged``: whether the scale of
-    the thrust is known well enough to follow a path. ``pace``: the share of the mission's speed that was asked for,
+    the thrust is known well enough to follow a path. ``governor``: the share of the mission's speed that was asked for,
     less than 1 where the vehicle could not fly the path at it. ``estimates``: None where the level has none.
     ``rotor_left``: the share of its thrust that the weakest rotor gives, where the level can tell.
     """
@@ -70,7 +70,7 @@ class Steered(NamedTuple):
     saturated: bool
     thrust_share: float = 0.0
     converged: bool = True
-    pace: float = 1.0
+    governor: float = 1.0
     estimates: Estimates | None = None
     rotor_left: float = 1.0
 

@@ -29,29 +29,33 @@ from companion.steering.steering import Aim
 from companion.vehicle import Tuning
 
 YAW_LAG_USED = 0.84
-"""The lag of PX4's yaw loop for what turns at 1 to 3 rad/s over that of its model (slow commands): 0.36 s of 0.43."""
+"""Ratio: the lag of PX4's yaw loop for what turns at 1 to 3 rad/s over that of its model (slow commands): 0.36 s of
+0.43."""
 YAW_LAG_OVER_TILT_LAG = 7.0
-"""A vehicle whose tilting rate loops are quicker than PX4's usual ones has a quicker yaw loop: at most so many of their
-lags, before it is identified. Engineering choice."""
+"""Ratio: a vehicle whose tilting rate loops are quicker than PX4's usual ones has a quicker yaw loop: at most so
+many of their lags, before it is identified. Engineering choice."""
 YAW_ERROR_RATE = 2.0
-"""k T, for PX4's usual loops: the error dynamics are twice as fast as the loop itself, which would leave a heading that
-gusts have turned for long. Up to 2 it makes no loop unstable that is stable by itself. Where PX4 smooths what it is
-sent it comes late and would swing the nose at 4 to 8 rad/s; there it is less, and 1 (the inverse alone) at least."""
+"""Ratio k T of the error dynamics to the loop, for PX4's usual loops: twice as fast, because the loop alone would
+leave a heading that gusts have turned for long. Engineering choice: up to 2 it makes no loop unstable that is stable
+by itself. Where PX4 smooths what it is sent it comes late and would swing the nose at 4 to 8 rad/s; there it is
+less, and 1 (the inverse alone) at least."""
 YAW_LAG_MIN = 0.02
 """s: what is quicker counts as this quick. Engineering choice."""
 YAW_THRUST_PER_RATE = 0.2
 """s/rad: the part of the motors' range that a yaw rate error takes. PX4's default MC_YAWRATE_P."""
 SHORT_LIVED = 0.4
-"""The part of a roll or pitch rate error that counts: a large one lasts less long than the yaw torque is filtered."""
+"""Share of a roll or pitch rate error that counts: a large one lasts less long than the yaw torque is filtered.
+Engineering choice."""
 TILT_THRUST_PER_RATE = SHORT_LIVED * 0.15
 """s/rad: the same of a roll or pitch rate error. PX4's default MC_ROLLRATE_P."""
 YAW_AUTHORITY_MIN = 0.05
 """rad/s of yaw rate error that are always left to yaw. Engineering choice."""
 DERIVATIVE_STEP = 0.05
-"""s over which the derivative of the yaw rate is taken."""
+"""s over which the derivative of the yaw rate is taken. Engineering choice."""
 DERIVATIVE_TIME = 0.03
-"""s, time constant with which it is smoothed: T multiplies it by 0.3 s, and the noise of the estimate with it. With
-0.2 s the yaw rate commanded shakes half as much on sih_noisy, and a tangent figure-eight is turned 0.2 deg worse."""
+"""s, time constant with which it is smoothed: T multiplies it by 0.3 s, and the noise of the estimate with it.
+Simulated on sih_noisy: with 0.2 s the yaw rate commanded shakes half as much, and a tangent figure-eight is turned
+0.2 deg worse."""
 
 
 class ThrustPerRate(NamedTuple):

@@ -1,4 +1,4 @@
-"""Studies: one mission flown many times, each time a little otherwise; how often it does what is required.
+"""Studies: one mission flown many times, each time a little different; how often it does what is required.
 
 reading    a study file -> a study, or every fault at once
 variation  what may vary, and whether its ends may be flown

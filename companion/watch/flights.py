@@ -52,7 +52,7 @@ class Flights:
         trails = now - self._trailed_at >= TRAIL_PERIOD
         if trails:
             self._trailed_at = now
-        return [self._told(pid, flight, trails) for pid, flight in sorted(self._flights.items())]
+        return [self._parsed(pid, flight, trails) for pid, flight in sorted(self._flights.items())]
 
     def drawing(self, pid: int) -> dict[str, Any] | None:
         """The path and the trail of one companion; None where there is none such."""
@@ -64,25 +64,25 @@ class Flights:
         for status in read_statuses(self._environment, once=False):
             if not status.running and status.age > GONE_AFTER:
                 continue
-            pid = status.told["pid"]
+            pid = status.document["pid"]
             known = self._flights.get(pid)
             path = _read(status, PATH) or (None if known is None else known.path)
             found[pid] = Flight(status, path, deque(maxlen=TRAIL_POINTS) if known is None else known.trail)
         self._flights = found
 
-    def _told(self, pid: int, flight: Flight, trails: bool) -> dict[str, Any]:
+    def _parsed(self, pid: int, flight: Flight, trails: bool) -> dict[str, Any]:
         status = flight.status
         live = _read(status, LIVE) if status.running else None
         place = None if live is None else _place(live.get("p_n"))
         if trails and place is not None:
             flight.trail.append(place)
-        said = status.told.get("notes")
+        said = status.document.get("notes")
         return {
             "pid": pid,
             "state": _state(status),
             "has_path": flight.path is not None,
-            "about": {label: _plain(status.told.get(label)) for label in LABELS},
-            "phase": _plain(status.told.get("phase")),
+            "about": {label: _plain(status.document.get(label)) for label in LABELS},
+            "phase": _plain(status.document.get("phase")),
             "notes": [_plain(note) for note in said[:NOTES_MAX]] if isinstance(said, list) else [],
             "live": live,
         }
@@ -99,19 +99,19 @@ def _state(status: FlightStatus) -> str:
 def _read(status: FlightStatus, suffix: str) -> dict[str, Any] | None:
     """What lies beside a status file, if its companion wrote it."""
     try:
-        told = json.loads(read_owned(status.file.with_suffix(suffix), status.owner) or "", parse_constant=_refuse)
+        document = json.loads(read_owned(status.file.with_suffix(suffix), status.owner) or "", parse_constant=_refuse)
     except (ValueError, RecursionError):
         return None
-    return told if isinstance(told, dict) else None
+    return document if isinstance(document, dict) else None
 
 
 def _refuse(name: str) -> None:
     raise ValueError(f"{name} is no JSON")
 
 
-def _place(told: Any) -> list[float] | None:
-    known = isinstance(told, list) and len(told) == 3 and all(isinstance(x, int | float) for x in told)
-    return told if known else None
+def _place(document: Any) -> list[float] | None:
+    known = isinstance(document, list) and len(document) == 3 and all(isinstance(x, int | float) for x in document)
+    return document if known else None
 
 
 def _plain(value: object) -> str:

@@ -32,9 +32,9 @@ COMMANDS = (
 
 
 def help_of(*words: str) -> str:
-    told = CliRunner(env={"COLUMNS": "200", "TERM": "dumb"}).invoke(app, [*words, "--help"])
-    assert told.exit_code == 0
-    return re.sub(r"[│\s]+", " ", re.sub(r"\x1b\[[0-9;]*m", "", told.stdout))
+    result = CliRunner(env={"COLUMNS": "200", "TERM": "dumb"}).invoke(app, [*words, "--help"])
+    assert result.exit_code == 0
+    return re.sub(r"[│\s]+", " ", re.sub(r"\x1b\[[0-9;]*m", "", result.stdout))
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -70,8 +70,8 @@ def test_a_name_that_is_nearly_right_is_offered(tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     (tmp_path / "my_mission.yaml").write_text("mission: mine\n")
     for wrong, right in (("cirle", "circle"), ("my_mision.yaml", "my_mission.yaml"), ("my_mission", "my_mission.yaml")):
-        told = CliRunner().invoke(app, ["check", wrong])
-        assert f"did you mean {right}" in str(told.exception), told.exception
+        result = CliRunner().invoke(app, ["check", wrong])
+        assert f"did you mean {right}" in str(result.exception), result.exception
     assert "did you mean outdoor" in str(CliRunner().invoke(app, ["sim", "circle", "--world", "outdor"]).exception)
 
 

@@ -114,8 +114,8 @@ def test_what_has_no_answer_is_told_with_its_line_and_an_exit_code(capsys: pytes
     mission, vehicle = read_bare("paper_case1", None, Level.MOTORS)
 
     def run(*lines: str) -> tuple[int, str]:
-        told = answers(mission, vehicle, Level.MOTORS, lines, io.StringIO())
-        return told.exit_code, capsys.readouterr().err
+        output = answers(mission, vehicle, Level.MOTORS, lines, io.StringIO())
+        return output.exit_code, capsys.readouterr().err
 
     whole = json.dumps({"chi": good})
     assert run(whole, whole) == (0, "")

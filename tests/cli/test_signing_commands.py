@@ -78,19 +78,19 @@ def test_what_cannot_be_is_said_at_once_with_exit_code_2(
 ) -> None:
     key = key_file(tmp_path, mode=0o644)
     words += ["--connect", f"udpin://127.0.0.1:{free_port()}", "--signing-key", str(key)]
-    code, told = asked(words, capsys, monkeypatch)
-    assert (code, said in told) == (2, True), told
-    assert KEY.hex() not in told
+    code, output = asked(words, capsys, monkeypatch)
+    assert (code, said in output) == (2, True), output
+    assert KEY.hex() not in output
 
 
 def test_a_key_goes_over_no_network_unless_that_is_asked_for(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     words = ["vehicle", "sign", "--connect", f"udpin://0.0.0.0:{free_port()}", "--signing-key", str(key_file(tmp_path))]
-    code, told = asked(words, capsys, monkeypatch)
+    code, output = asked(words, capsys, monkeypatch)
     assert code == 2
-    assert "the key would go in plain text over a network" in told
-    assert "--trust-link" in told
+    assert "the key would go in plain text over a network" in output
+    assert "--trust-link" in output
 
 
 def asked(words: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> tuple[int, str]:

@@ -62,7 +62,7 @@ def test_heights_above_the_sea() -> None:
     (fault,) = faults(text)
     assert "heights above sea level need origin" in fault
     (mixed,) = faults(text.replace("frame: ned", "frame: ned\norigin: {lat: 47.3977, lon: 8.5455, above_home: 0}"))[:1]
-    assert mixed == "m.yaml:7: path.points[0]: its height is not told as the origin's is; expected above_home"
+    assert mixed == "m.yaml:7: path.points[0]: its height counts from elsewhere than the origin's; expected above_home"
 
 
 def test_an_origin_above_home() -> None:
@@ -76,7 +76,7 @@ def test_an_origin_above_home() -> None:
         ("lat: 47.398000", "lat: 97.4", "m.yaml:7: path.points[1].lat: 97.4 is no latitude; expected a number from -89 to 89"),
         ("lat: 47.398000", "lat: north", "m.yaml:7: path.points[1].lat: 'north' is no latitude"),
         ("lat: 47.398000, ", "", "m.yaml:7: path.points[1].lat: missing"),
-        ("above_home: 12", "amsl: 500", "m.yaml:7: path.points[1]: its height is not told as the origin's is"),
+        ("above_home: 12", "amsl: 500", "m.yaml:7: path.points[1]: its height counts from elsewhere than the origin's"),
         (", above_home: 12", "", "m.yaml:7: path.points[1]: no height; expected one of above_home and amsl"),
         ("above_home: 12", "alt: 12", "m.yaml:7: path.points[1].alt: unknown key"),
         ("frame: ned", "frame: ned\norigin: takeoff", "m.yaml:3: origin: the file gives places in latitude and longitude"),

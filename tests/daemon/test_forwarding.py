@@ -224,10 +224,10 @@ def test_a_ground_station_and_mavsdk_work_through_it(tmp_path: Path) -> None:
                 break
         assert heard is not None
         station.mav.param_request_read_send(1, 1, b"COM_OF_LOSS_T", -1)
-        told = station.recv_match(
+        answer = station.recv_match(
             type="PARAM_VALUE", condition="PARAM_VALUE.param_id=='COM_OF_LOSS_T'", blocking=True, timeout=20.0
         )
-        assert told is not None and told.param_value == 1.0
+        assert answer is not None and answer.param_value == 1.0
         station.mav.command_long_send(1, 1, 512, 0, 148, 0, 0, 0, 0, 0, 0)  # REQUEST_MESSAGE AUTOPILOT_VERSION
         answer = station.recv_match(
             type="COMMAND_ACK", condition="COMMAND_ACK.command==512", blocking=True, timeout=20.0

@@ -48,10 +48,10 @@ def test_words_are_few_and_whole() -> None:
     announcer.say("x" * 70, 0.1)
     announcer.on_timer(0.1)
     announcer.on_timer(0.2)
-    assert [told["text"] for told in said.named()] == ["short"]
+    assert [values["text"] for values in said.named()] == ["short"]
     announcer.on_timer(0.1 + TEXT_PERIOD)
-    assert [(told["text"], told["chunk_seq"]) for told in said.named()[1:]] == [("x" * 50, 0), ("x" * 20, 1)]
-    assert len({told["id"] for told in said.named()[1:]}) == 1
+    assert [(values["text"], values["chunk_seq"]) for values in said.named()[1:]] == [("x" * 50, 0), ("x" * 20, 1)]
+    assert len({values["id"] for values in said.named()[1:]}) == 1
     assert announcer.next_timer() == math.inf
     for i in range(50):
         announcer.say(f"line {i}", 10.0)
@@ -74,7 +74,7 @@ def test_own_parameters_speak_the_protocol() -> None:
         frame("PARAM_REQUEST_READ", target_system=1, target_component=191, param_id="PF_SPEED_SCALE", param_index=-1), 1
     )  # fmt: skip
     assert len(said.sent) == 3
-    assert all(told["param_value"] == 1.0 and told["param_count"] == 1 for told in said.named())
+    assert all(values["param_value"] == 1.0 and values["param_count"] == 1 for values in said.named())
     for other in ({"target_system": 2}, {"target_component": 1}):
         own.receive(frame("PARAM_REQUEST_LIST", **{"target_system": 1, "target_component": 191, **other}), 1)
     assert len(said.sent) == 3
@@ -95,7 +95,7 @@ def test_an_upload_survives_silence_and_says_what_came_of_it() -> None:
     upload.on_timer(0.0)
     upload.on_timer(0.5)
     upload.on_timer(1.0)
-    assert [told["count"] for told in said.named()] == [2, 2]
+    assert [values["count"] for values in said.named()] == [2, 2]
     upload.receive(frame("MISSION_REQUEST_INT", seq=1, target_system=1, target_component=191), 1.1)
     assert said.named()[-1]["x"] == 470010000
     upload.receive(frame("MISSION_REQUEST_INT", seq=7, target_system=1, target_component=191), 1.2)
@@ -150,7 +150,7 @@ def test_seen_and_slowed_from_the_ground() -> None:
     texts = [f.format.named(f.values)["text"] for f in ours if f.format.name == "STATUSTEXT"]
     assert any("follow" in text for text in texts)
     numbers = [f.format.named(f.values) for f in ours if f.format.name == "NAMED_VALUE_FLOAT"]
-    assert {told["name"] for told in numbers} == {"pf_path", "pf_speed", "pf_yaw"}
+    assert {values["name"] for values in numbers} == {"pf_path", "pf_speed", "pf_yaw"}
     assert 4.0 < len(numbers) / 3.0 / 17.0 < 6.0
     assert any(f.format.name == "HEARTBEAT" for f in ours)
     assert any(f.format.name == "PARAM_VALUE" for f in ours)

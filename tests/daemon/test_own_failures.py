@@ -151,7 +151,7 @@ def test_a_failure_after_the_operator_took_over_is_not_his(monkeypatch: pytest.M
 
 
 def test_what_fails_between_two_ticks_is_caught_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The rhythm, the rehearsal, systemd: in the control thread, outside of the conductor's doors."""
+    """The rhythm, the warm-up, systemd: in the control thread, outside of the conductor's doors."""
     fail_after(monkeypatch, Rhythm, "arrived", 150)
     result = sim(tmp_path / "flight", "--udp")
     assert result.exit_code == 1

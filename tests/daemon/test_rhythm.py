@@ -14,7 +14,7 @@ from companion import pilot
 from companion.daemon import realtime
 from companion.daemon.priority import split_by_priority
 from companion.daemon.rhythm import MARGIN, WATCH_MAX, Rhythm
-from companion.daemon.warm_up import Rehearsal
+from companion.daemon.warm_up import WarmUp
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 from companion.mavlink.peer import LINE, Received
@@ -35,37 +35,37 @@ def heard(rhythm: Rhythm, count: int, jitter: float, begin: float = 0.0, seed: i
 def test_it_is_ready_a_little_before_a_state_is_due() -> None:
     rhythm = Rhythm()
     due = heard(rhythm, 400, 5e-5)
-    now = rhythm.rehearse_at(due - 0.5 * PERIOD)
+    now = rhythm.warm_up_at(due - 0.5 * PERIOD)
     assert due - 1e-3 < now < due - 2.0 * MARGIN
     times = 0
-    while (at := rhythm.rehearse_at(now)) < math.inf:
+    while (at := rhythm.warm_up_at(now)) < math.inf:
         assert at == now  # one after the other
         now += 2e-4
-        rhythm.rehearsed(at, now)
+        rhythm.add_warm_up(at, now)
         times += 1
     assert times >= 2
     assert due - 3.0 * MARGIN - 2e-4 < now < due - MARGIN  # until none fits before the state
     assert due < rhythm.watch_until <= now + WATCH_MAX
     rhythm.arrived(due)
     assert rhythm.watch_until == -math.inf
-    assert rhythm.rehearse_at(due) < math.inf
+    assert rhythm.warm_up_at(due) < math.inf
 
 
 def test_without_a_rhythm_it_waits() -> None:
-    assert Rhythm().rehearse_at(0.0) == math.inf
+    assert Rhythm().warm_up_at(0.0) == math.inf
     rhythm = Rhythm()
     due = heard(rhythm, 400, 1.9e-3)
-    assert rhythm.rehearse_at(due - 0.5 * PERIOD) == math.inf
+    assert rhythm.warm_up_at(due - 0.5 * PERIOD) == math.inf
     rhythm = Rhythm()
     due = heard(rhythm, 2, 0.0)
-    assert rhythm.rehearse_at(due - 0.5 * PERIOD) == math.inf  # two are not enough to know
+    assert rhythm.warm_up_at(due - 0.5 * PERIOD) == math.inf  # two are not enough to know
 
 
 def test_a_stall_is_no_part_of_the_rhythm() -> None:
     rhythm = Rhythm()
     due = heard(rhythm, 400, 5e-5) + 3.0
     due = heard(rhythm, 400, 5e-5, due)
-    assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+    assert due - 1e-3 < rhythm.warm_up_at(due - 0.5 * PERIOD) < due
 
 
 def test_a_lost_state_leaves_the_rhythm_as_it_is() -> None:
@@ -75,7 +75,7 @@ def test_a_lost_state_leaves_the_rhythm_as_it_is() -> None:
             rhythm.arrived(i * PERIOD + rng.uniform(-5e-5, 5e-5))
             if i >= 300:
                 due = (i + 1) * PERIOD
-                assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+                assert due - 1e-3 < rhythm.warm_up_at(due - 0.5 * PERIOD) < due
 
 
 @pytest.mark.parametrize("begun", [0.0, 0.1 * PERIOD, 2.0 * PERIOD])
@@ -85,7 +85,7 @@ def test_a_false_start_is_forgotten(begun: float) -> None:
     rhythm.arrived(-begun)
     rhythm.arrived(0.0)
     due = heard(rhythm, 300, 5e-5, PERIOD)
-    assert due - 1e-3 < rhythm.rehearse_at(due - 0.5 * PERIOD) < due
+    assert due - 1e-3 < rhythm.warm_up_at(due - 0.5 * PERIOD) < due
 
 
 def test_another_rate_is_another_rhythm() -> None:
@@ -94,18 +94,18 @@ def test_another_rate_is_another_rhythm() -> None:
     for i in range(400):
         rhythm.arrived(due + 2.0 * i * PERIOD)
     due += 800.0 * PERIOD
-    assert due - 1e-3 < rhythm.rehearse_at(due - PERIOD) < due
+    assert due - 1e-3 < rhythm.warm_up_at(due - PERIOD) < due
 
 
-def test_a_slow_machine_does_not_rehearse() -> None:
+def test_a_slow_machine_does_not_warm_up() -> None:
     rhythm = Rhythm()
     for _ in range(200):
         at = heard(rhythm, 1, 0.0, _ * PERIOD)
-        rhythm.rehearsed(at, at + 2e-3)
-    assert rhythm.rehearse_at(at - 0.5 * PERIOD) == math.inf
+        rhythm.add_warm_up(at, at + 2e-3)
+    assert rhythm.warm_up_at(at - 0.5 * PERIOD) == math.inf
 
 
-def test_states_that_came_during_rehearsals_make_them_earlier() -> None:
+def test_states_that_came_during_warm_ups_make_them_earlier() -> None:
     early, late = Rhythm(), Rhythm()
     for i in range(300):
         early.arrived(i * PERIOD)
@@ -113,7 +113,7 @@ def test_states_that_came_during_rehearsals_make_them_earlier() -> None:
             late.was_late()
         late.arrived(i * PERIOD + (1e-4 if i % 2 else 0.0))
     now = 299.5 * PERIOD
-    assert late.rehearse_at(now) < early.rehearse_at(now)
+    assert late.warm_up_at(now) < early.warm_up_at(now)
 
 
 def test_what_the_setpoint_needs_goes_first() -> None:
@@ -141,25 +141,25 @@ def test_another_source_can_wait() -> None:
     assert split_by_priority(batch, WANTED, LINE) == ([batch[1]], [batch[0], batch[2]])
 
 
-def test_a_rehearsal_leaves_no_trace() -> None:
-    """The same flight, bit for bit, with a rehearsal at every step; and it does the work of the tick it repeats."""
-    rehearsal, flown_again = Rehearsal(), []
+def test_a_warm_up_leaves_no_trace() -> None:
+    """The same flight, bit for bit, with a warm-up at every step; and it does the work of the tick it repeats."""
+    warm_up, flown_again = WarmUp(), []
 
     def meddle(flown: Flown, now: float) -> None:
-        flown_again.append(rehearsal.fly(flown.conductor))
+        flown_again.append(warm_up.run(flown.conductor))
 
     plain = flight(duration=1.0)
-    rehearsed = flight(duration=1.0, meddle=meddle)
-    assert rehearsed.setpoints == plain.setpoints
+    warmed = flight(duration=1.0, meddle=meddle)
+    assert warmed.setpoints == plain.setpoints
     assert sum(flown_again) > 200
-    tick = rehearsed.conductor.last
+    tick = warmed.conductor.last
     assert tick is not None
-    assert rehearsed.conductor.plan is not None
-    assert pilot.step(rehearsed.conductor.plan, tick.before, tick.seen, tick.now) == (tick.memory, tick.outcome)
+    assert warmed.conductor.plan is not None
+    assert pilot.step(warmed.conductor.plan, tick.before, tick.observation, tick.now) == (tick.memory, tick.outcome)
 
 
-def test_a_conductor_without_a_plan_rehearses_nothing() -> None:
-    assert Rehearsal().fly(cast(Any, SimpleNamespace(last=None, plan=None))) is False
+def test_a_conductor_without_a_plan_has_nothing_to_warm_up() -> None:
+    assert WarmUp().run(cast(Any, SimpleNamespace(last=None, plan=None))) is False
 
 
 def test_what_is_permitted_is_said_in_one_line() -> None:

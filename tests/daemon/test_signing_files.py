@@ -55,12 +55,12 @@ def test_a_power_cut_takes_no_stamp_back(own: Path, monkeypatch: pytest.MonkeyPa
         Decoder(signing=signing).datagram(heard(signing.stamp + 5))
         used = signing.stamp
         for _ in range(500):
-            told = json.loads(file.read_text())
-            if told["streams"]:
+            document = json.loads(file.read_text())
+            if document["streams"]:
                 break
             signing_files.threading.Event().wait(0.01)
-        assert told["stamp"] > used
-        assert told["streams"]["1/1/0"] > used - 5
+        assert document["stamp"] > used
+        assert document["streams"]["1/1/0"] > used - 5
     assert json.loads(file.read_text())["stamp"] == used
 
 

@@ -58,8 +58,8 @@ def test_what_is_said_is_told(own: Path, capsys: pytest.CaptureFixture[str], mon
         "  said      one",
         "            two",
     ]
-    (told,) = json.loads(asked(capsys, monkeypatch, "--json")[1])
-    assert told["running"] and told["schema"] == "companion.status/1" and told["age_s"] < 5.0
+    (status,) = json.loads(asked(capsys, monkeypatch, "--json")[1])
+    assert status["running"] and status["schema"] == "companion.status/1" and status["age_s"] < 5.0
     notice.remove()
     assert asked(capsys, monkeypatch)[0] == 1
     assert not list((own / "companion").iterdir())
@@ -70,9 +70,9 @@ def test_one_that_was_killed_is_told_once(own: Path) -> None:
     gone.wait()
     notice = StatusFile({**ABOUT, "pid": gone.pid})
     notice.write({"phase": "follow"})
-    (told,) = read_statuses()
-    assert not told.running
-    assert "ended without a word 0 s ago; look at the vehicle" in in_words(told)
+    (status,) = read_statuses()
+    assert not status.running
+    assert "ended without a word 0 s ago; look at the vehicle" in in_words(status)
     assert read_statuses() == []
 
 
@@ -80,15 +80,15 @@ def test_one_that_hangs_and_rubbish(own: Path) -> None:
     StatusFile(ABOUT).write({"phase": "follow"})
     (own / "companion" / "7.json").write_text("{", encoding="utf-8")
     (own / "companion" / "8.json").write_text('{"pid": "x"}', encoding="utf-8")
-    (told,) = read_statuses()
-    assert "has said nothing for 60 s; it hangs" in in_words(FlightStatus(told.told, 60.0, True))
+    (status,) = read_statuses()
+    assert "has said nothing for 60 s; it hangs" in in_words(FlightStatus(status.document, 60.0, True))
 
 
 NOW = time.time()
 
 
 @pytest.mark.parametrize(
-    "told",
+    "content",
     [
         {"pid": 10**30, "written_at": NOW},
         {"pid": 0, "written_at": NOW},
@@ -99,9 +99,9 @@ NOW = time.time()
         [7],
     ],
 )
-def test_a_file_that_no_companion_wrote_is_not_told(own: Path, told: object) -> None:
+def test_a_file_that_no_companion_wrote_is_not_told(own: Path, content: object) -> None:
     StatusFile(ABOUT).write({"phase": "follow"})
-    (own / "companion" / "7.json").write_text(json.dumps(told), encoding="utf-8")
+    (own / "companion" / "7.json").write_text(json.dumps(content), encoding="utf-8")
     assert len(read_statuses()) == 1
 
 
@@ -118,12 +118,12 @@ def test_a_link_or_a_pipe_among_them_is_left_alone(own: Path) -> None:
 def test_what_another_companion_says_is_data(own: Path) -> None:
     about = {**ABOUT, "mission": "\x1b[2Jcircle", "record": ["\x07"]}
     StatusFile(about).write({"phase": "follow\nland", "notes": ["a\rb", 7, None], "mode": {"\x1b": 1}})
-    (told,) = read_statuses()
-    text = in_words(told)
+    (status,) = read_statuses()
+    text = in_words(status)
     assert all(line.isprintable() for line in text.splitlines())
     assert "\\x1b[2Jcircle on x500" in text and "follow\\nland" in text
-    assert "x" * 400 not in in_words(FlightStatus({**told.told, "notes": ["x" * 1000] * 1000}, 0.0, True))
-    assert in_words(FlightStatus({**told.told, "notes": 7}, 0.0, True))
+    assert "x" * 400 not in in_words(FlightStatus({**status.document, "notes": ["x" * 1000] * 1000}, 0.0, True))
+    assert in_words(FlightStatus({**status.document, "notes": 7}, 0.0, True))
 
 
 def test_a_system_without_a_temporary_directory_stops_no_flight(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,14 +149,14 @@ def test_a_flight_is_told_while_it_lasts_and_not_after(own: Path) -> None:
     )  # fmt: skip
     try:
         until = time.monotonic() + 60.0
-        while not any(s.told.get("progress") and s.told["phase"] == "follow" for s in read_statuses()):
+        while not any(s.document.get("progress") and s.document["phase"] == "follow" for s in read_statuses()):
             assert flight.poll() is None and time.monotonic() < until
             time.sleep(0.1)
-        (told,) = read_statuses()
-        assert told.told["mission"] == "circle-r5"
-        assert told.told["mode"] == "Offboard, armed"
-        assert "path error" in told.told["progress"]
-        assert any("join -> follow" in note for note in told.told["notes"])
+        (status,) = read_statuses()
+        assert status.document["mission"] == "circle-r5"
+        assert status.document["mode"] == "Offboard, armed"
+        assert "path error" in status.document["progress"]
+        assert any("join -> follow" in note for note in status.document["notes"])
     finally:
         flight.send_signal(signal.SIGINT)
         flight.wait(30.0)

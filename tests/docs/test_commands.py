@@ -87,12 +87,12 @@ def run(line: str) -> None:
         parse(words, typer.main.get_command(app))
         return
     assert words[0] in RUN, f"{words[0]}: a new command, is it run or parsed?"
-    told = CliRunner().invoke(app, shortened(words) if words[0] in ("sim", "demo") else words, input=stdin)
-    if isinstance(told.exception, CompanionError):
-        raise AssertionError(f"{line}: {told.exception}") from told.exception
-    assert told.exit_code in EXPECTED.get(words[0], {0}), f"{line}: {told.output}"
+    result = CliRunner().invoke(app, shortened(words) if words[0] in ("sim", "demo") else words, input=stdin)
+    if isinstance(result.exception, CompanionError):
+        raise AssertionError(f"{line}: {result.exception}") from result.exception
+    assert result.exit_code in EXPECTED.get(words[0], {0}), f"{line}: {result.output}"
     if target.strip():
-        Path(target.strip()).write_text(told.stdout, encoding="utf-8")
+        Path(target.strip()).write_text(result.stdout, encoding="utf-8")
 
 
 def look_at(line: str) -> None:

@@ -383,10 +383,10 @@ def test_the_gain_of_the_rate_loop_is_found(true: float, found: float) -> None:
         alike(0.071, 0.05),
         initial_rate_loop_estimate(0.071, STILL),
     )
-    meant = told = (TimedCommand(0.0, STILL, G),)
+    meant = sent = (TimedCommand(0.0, STILL, G),)
     for k in range(3000):
         t = 0.01 * k
-        rate_loop_state, _ = propagate(rate_loop_state, rate_loop, told, t, t + 0.01)
+        rate_loop_state, _ = propagate(rate_loop_state, rate_loop, sent, t, t + 0.01)
         gyro = (
             true * rate_loop_state.w_b[0] + rng.gauss(0, 0.01),
             true * rate_loop_state.w_b[1] + rng.gauss(0, 0.01),
@@ -395,7 +395,7 @@ def test_the_gain_of_the_rate_loop_is_found(true: float, found: float) -> None:
         lag = update_rate_loop_estimate(lag, 0.05, meant, t + 0.01, gyro)
         p, q = 0.4 * math.sin(1.2 * t), 0.4 * math.cos(1.2 * t)
         meant = (*meant[-8:], TimedCommand(t + 0.015, (p, q, 0.0), G))
-        told = (*told[-8:], TimedCommand(t + 0.015, (p / lag.gains[0], q / lag.gains[1], 0.0), G))
+        sent = (*sent[-8:], TimedCommand(t + 0.015, (p / lag.gains[0], q / lag.gains[1], 0.0), G))
     assert lag.gains == pytest.approx((found, found), abs=0.005)
 
 

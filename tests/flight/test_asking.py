@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from companion.flight.asking import BACK_AFTER, FRESH, TRIES, Asking, asked, begun
+from companion.flight.asking import BACK_AFTER, FRESH, TRIES, Asking, begin_asking, update_asking
 from companion.flight.phases import PHASES, Phase, Request
 from companion.flight.situation import Answer, Reply
 from companion.vehicle import KnownStatus, Landed, Mode
@@ -34,14 +34,14 @@ def test_random_walks_ask_three_times_and_not_after_an_answer(phase: Phase, requ
     rng = random.Random(f"{phase} {request_}")
     for _ in range(400):
         first = some_status(rng, BACK_AFTER + 1.0)
-        asking = begun(request_, None, first)
+        asking = begin_asking(request_, None, first)
         assert asking is not None
         now, answer, sent_at, away_seen = 0.0, None, [], False
         for _ in range(150):
             now += rng.choice((0.004, 0.05, 0.3))
             status = some_status(rng, BACK_AFTER + 1.0)
             away_seen = away_seen or status.mode_age > BACK_AFTER
-            asking, sent = asked(asking, answer, status, phase, now, lost=rng.random() < 0.5)
+            asking, sent = update_asking(asking, answer, status, phase, now, lost=rng.random() < 0.5)
             if sent:
                 assert answer is None or not answer.accepted
                 assert status.mode_age <= FRESH
@@ -64,7 +64,7 @@ def test_three_tries_lie_within_a_second_and_a_half_and_end() -> None:
     status = KnownStatus(armed=True, mode=Mode.HOLD, intended=Mode.HOLD, landed=Landed.IN_AIR, mode_age=0.1)
     asking, times = Asking(Request.OFFBOARD, Mode.HOLD), []
     for i in range(1000):
-        asking, sent = asked(asking, None, status, Phase.TAKE_OVER, 0.01 * i, lost=False)
+        asking, sent = update_asking(asking, None, status, Phase.TAKE_OVER, 0.01 * i, lost=False)
         times += [0.01 * i] if sent else []
     assert len(times) == TRIES
     assert times[-1] - times[0] <= 1.5

@@ -11,7 +11,7 @@ from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.flight import conditions
 from companion.flight.conduct import Limits
-from companion.flight.safety import NOTHING_SINCE, ROWS, Action, SafetyInputs, watched
+from companion.flight.safety import NOTHING_SINCE, ROWS, Action, SafetyInputs, update_breaches
 from companion.law.feedback import Bounds
 from companion.law.flight import Command, Flying, curve_law, implicit_law, model_of
 from companion.law.gains import Level, default_gains
@@ -27,9 +27,9 @@ LIMITS = Limits(tilt=math.radians(58.0))
 CALM = SafetyInputs(KnownStatus(), following=True)
 
 
-def after(seconds: float, sight: SafetyInputs, limits: Limits = LIMITS) -> Action:
-    since, _ = watched(NOTHING_SINCE, sight, limits, 0.0)
-    return watched(since, sight, limits, seconds)[1].action
+def after(seconds: float, inputs: SafetyInputs, limits: Limits = LIMITS) -> Action:
+    since, _ = update_breaches(NOTHING_SINCE, inputs, limits, 0.0)
+    return update_breaches(since, inputs, limits, seconds)[1].action
 
 
 def test_a_tilt_error_that_lasts_ends_it() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.flight.bench import WRONG_FOR, Shown, fault, looked
+from companion.flight.bench import WRONG_FOR, Shown, fault, judge_tilt
 from companion.flight.conduct import Conduct, ControlAuthority, Finish
 from companion.flight.phases import Phase
 from companion.frames import quaternion_from_euler
@@ -26,8 +26,8 @@ def phases(flown: Flown) -> list[str]:
 
 
 def commands(flown: Flown) -> set[int]:
-    told = [f.format.named(f.values) for _, f in flown.between.sent if f.format.name == "COMMAND_LONG"]
-    return {command["command"] for command in told}
+    notes = [f.format.named(f.values) for _, f in flown.between.sent if f.format.name == "COMMAND_LONG"]
+    return {command["command"] for command in notes}
 
 
 @pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
@@ -191,7 +191,7 @@ def test_a_dry_run_commands_nothing(from_ground: bool) -> None:
     assert not flown.setpoints
     assert not commands(flown) & {SET_MODE, 400, 22, 21}
     assert flown.conductor.last is not None
-    assert memory.steered is not None  # but the law was asked
+    assert memory.steering.steered is not None  # but the law was asked
 
 
 def test_the_bench_shows_that_commands_point_back() -> None:
@@ -217,19 +217,19 @@ def test_the_bench_shows_that_commands_point_back() -> None:
     assert memory is not None
     assert completed(memory), flown.notes
     assert not flown.setpoints
-    told = [note for note in flown.notes if "turns it back" in note]
-    assert len(told) == 4
+    notes = [note for note in flown.notes if "turns it back" in note]
+    assert len(notes) == 4
     assert memory.phase is Phase.DONE
 
 
 def test_a_wrong_sign_is_found_on_the_bench() -> None:
     shown = Shown()
     for _ in range(WRONG_FOR):
-        shown, told = looked(shown, 0.3, 0.0, (2.0, 0.0, 0.0))
-        assert told is None
+        shown, notes = judge_tilt(shown, 0.3, 0.0, (2.0, 0.0, 0.0))
+        assert notes is None
     assert "do not fly" in (fault(shown) or "")
-    right, told = looked(Shown(), 0.3, 0.0, (-2.0, 0.0, 0.0))
-    assert told == "roll right 17 degrees: the command turns it back"
+    right, notes = judge_tilt(Shown(), 0.3, 0.0, (-2.0, 0.0, 0.0))
+    assert notes == "roll right 17 degrees: the command turns it back"
     assert fault(right) is None
 
 

@@ -151,8 +151,8 @@ def test_the_link_is_cut(mission: str, level: OutputLevel, seconds: float) -> No
 def test_what_a_dead_link_does_not_set_back_is_said() -> None:
     watched = fly(cut(60.0))
     assert watched.flown.conductor.done
-    told = [note for note in watched.flown.notes if note.startswith("COM_OF_LOSS_T") and "set" in note]
-    assert told == ["COM_OF_LOSS_T may still be 0.3: the vehicle did not answer; set it back to 1"]
+    notes = [note for note in watched.flown.notes if note.startswith("COM_OF_LOSS_T") and "set" in note]
+    assert notes == ["COM_OF_LOSS_T may still be 0.3: the vehicle did not answer; set it back to 1"]
 
 
 @pytest.mark.parametrize(("mission", "level"), FLOWN)
@@ -443,15 +443,15 @@ def unmoved(fields: Fields) -> Fields:
 
 @pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
 def test_the_rate_loop_does_not_answer(level: OutputLevel) -> None:
-    """The vehicle keeps its attitude, whatever it is told: no rate is wrong, and no lean is steep."""
+    """The vehicle keeps its attitude, whatever is commanded: no rate is wrong, and no tilt is steep."""
     change = unmoved if level is OutputLevel.RATES else frozen("q")
     watched = fly(level=level, prepare=altered("SET_ATTITUDE_TARGET", change))
-    assert re.match("the vehicle leans [456]. degrees otherwise than it is told: HOLD was asked for", watched.said)
+    assert re.match("the tilt is [456]. degrees off the commanded one: HOLD was asked for", watched.said)
     assert "motors and propellers" in watched.said
     assert watched.mode is Mode.HOLD
     assert watched.lowest > FLOOR
-    # which lean is held is chance; held for good, it takes the vehicle off by the square of the time until it is told
-    assert max(error for _, error in watched.flown.path_errors) < 1.3
+    # which tilt is held is chance; held for good, it takes the vehicle off by the square of the time until that is noticed
+    assert max(error for _, error in watched.flown.path_errors) < 1.0
 
 
 def test_at_motors_a_weak_motor_is_made_up_for_or_named() -> None:

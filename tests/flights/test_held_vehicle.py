@@ -1,16 +1,16 @@
 """A vehicle that somebody holds is waited for; one that tumbles is not."""
 
 from companion.flight.conduct import Limits
-from companion.flight.safety import NOTHING_SINCE, Action, SafetyInputs, watched
+from companion.flight.safety import NOTHING_SINCE, Action, SafetyInputs, update_breaches
 from companion.vehicle import KnownStatus
 
 LIMITS = Limits(tilt=1.0)
 HELD = SafetyInputs(KnownStatus(), following=True, rate_error=3.9, turning=0.0, still=True, saturated=True)
 
 
-def after(seconds: float, sight: SafetyInputs) -> Action:
-    since, _ = watched(NOTHING_SINCE, sight, LIMITS, 0.0)
-    return watched(since, sight, LIMITS, seconds)[1].action
+def after(seconds: float, inputs: SafetyInputs) -> Action:
+    since, _ = update_breaches(NOTHING_SINCE, inputs, LIMITS, 0.0)
+    return update_breaches(since, inputs, LIMITS, seconds)[1].action
 
 
 def test_held_still_the_flight_waits_to_be_let_go() -> None:

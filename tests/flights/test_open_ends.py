@@ -44,10 +44,10 @@ def flown_to_the_end(
         if memory is None or plan is None or memory.phase not in (Phase.REST, Phase.HAND_BACK):
             return
         assert memory.state is not None
-        assert memory.follow_from is not None
+        assert memory.path.follow_from is not None
         end, _, _ = plan.table.at(plan.table.length if plan.direction > 0.0 else 0.0)
         if memory.phase is Phase.HAND_BACK and not rested:
-            rested.append((math.dist(memory.state.p_n, end), memory.state.t_boot - memory.follow_from))
+            rested.append((math.dist(memory.state.p_n, end), memory.state.t_boot - memory.path.follow_from))
 
     flown = flight(str(file), level=level, duration=None, world=world, time_out=60.0, meddle=meddle)
     assert flown.conductor.memory is not None

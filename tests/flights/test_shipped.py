@@ -20,9 +20,9 @@ of them, for as long as they last: `companion sim NAME --json`."""
 @pytest.mark.parametrize("name", FLOWN)
 def test_a_shipped_mission_settles_as_it_is_shipped(name: str) -> None:
     """Path error below 1 cm, speed error below 2 % of alpha, yaw error below 1 degree (the last two RMS)."""
-    told = CliRunner().invoke(app, ["sim", name, "--duration", str(FLOWN[name]), "--json"])
-    assert told.exit_code == 0, told.output
-    flight = json.loads(told.stdout)
+    result = CliRunner().invoke(app, ["sim", name, "--duration", str(FLOWN[name]), "--json"])
+    assert result.exit_code == 0, result.output
+    flight = json.loads(result.stdout)
     assert flight["outcome"] == "completed"
     for settled in (flight["settled"], flight["truth"]["settled"]):
         mean = settled["distance_m"] / settled["duration_s"]
@@ -34,7 +34,7 @@ def test_a_shipped_mission_settles_as_it_is_shipped(name: str) -> None:
 @pytest.mark.parametrize(("seed", "output"), [(2, "rates"), (10, "rates"), (2, "motors")])
 def test_the_storm_is_flown_in(seed: int, output: str) -> None:
     """The thrust is known within four seconds of its gusts, and the circle is held to half a metre."""
-    told = CliRunner().invoke(
+    result = CliRunner().invoke(
         app,
         [
             "sim",
@@ -52,8 +52,8 @@ def test_the_storm_is_flown_in(seed: int, output: str) -> None:
             "--json",
         ],
     )
-    assert told.exit_code == 0, told.output
-    flight = json.loads(told.stdout)
+    assert result.exit_code == 0, result.output
+    flight = json.loads(result.stdout)
     assert flight["outcome"] == "completed"
     (settled,) = [phase for phase in flight["phases"] if phase["phase"] == "settle"]
     assert settled["to_s"] - settled["from_s"] < 4.0

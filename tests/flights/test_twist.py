@@ -48,7 +48,7 @@ def flown(heading: Heading, level: OutputLevel) -> tuple[Measured, list[float]]:
 
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory = conductor.memory
-        if memory is not None and memory.follow_from is not None and truth.t_boot - memory.follow_from > 12.0:
+        if memory is not None and memory.path.follow_from is not None and truth.t_boot - memory.path.follow_from > 12.0:
             yawing.append(truth.w_b[2])
 
     done = measured(
@@ -66,7 +66,6 @@ def test_a_steep_turn(level: OutputLevel) -> None:
     assert done.tilt_max > math.radians(53.0)
     assert done.true.path < 0.015
     assert done.true.speed < 0.05 * SPEED  # at rates and attitude the speed gives way to the path
-    # a steady turn at the limit of the thrust: without an integral of its own the trim is what is left to learn
     assert done.true.yaw < math.radians(1.3)
     steady = (SPEED - done.true.speed) / RADIUS * (1.0 - math.cos(done.tilt_max))
     assert [abs(r) for r in yawing] == pytest.approx([steady] * len(yawing), rel=0.02)

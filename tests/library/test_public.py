@@ -100,16 +100,16 @@ def test_every_fault_at_once() -> None:
 
 
 def test_check_says_what_the_command_says(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    told = companion.check("circle_r5", "x500", world="outdoor")
+    report = companion.check("circle_r5", "x500", world="outdoor")
     monkeypatch.setattr(
         "sys.argv", ["companion", "check", "circle_r5", "--vehicle", "x500", "--world", "outdoor", "--json"]
     )
     with pytest.raises(SystemExit) as ended:
         main()
     document = json.loads(capsys.readouterr().out)
-    assert ended.value.code == 0 and told.feasible
-    assert told.document == {key: value for key, value in document.items() if key != "world"}
-    assert told.speed_scale_max == document["speed_scale_max"] and told.headline in str(told)
+    assert ended.value.code == 0 and report.feasible
+    assert report.document == {key: value for key, value in document.items() if key != "world"}
+    assert report.speed_scale_max == document["speed_scale_max"] and report.headline in str(report)
 
 
 def test_the_control_law_is_that_of_the_paper() -> None:
@@ -146,9 +146,9 @@ def test_a_flight_is_that_of_the_command(
     monkeypatch.setattr("sys.argv", ["companion", *words])
     with pytest.raises(SystemExit):
         main()
-    told = json.loads(capsys.readouterr().out)
+    document = json.loads(capsys.readouterr().out)
     assert flight.completed
-    assert {**flight.summary, "record": None} == {**told, "record": None}
+    assert {**flight.summary, "record": None} == {**document, "record": None}
     of_command = companion.Flight.load(tmp_path / "b")
     assert of_command.table.tobytes() == flight.table.tobytes()
     same = companion.compare(flight, of_command)

@@ -36,4 +36,4 @@ def test_a_clock_is_called_slow_only_where_timesync_proves_it(clock_runs: float,
         clock.late(clock_runs * now, now + later * now)
         if tick % 62 == 0:
             clock.synchronise(now, clock_runs * (now + 0.001), now + 0.002)
-    assert clock.pace == pytest.approx(told, abs=0.01)
+    assert clock.rate == pytest.approx(told, abs=0.01)

@@ -13,7 +13,7 @@ STEP = 0.02
 
 
 def flown(pace: float, down: float, growth: float, seconds: float, clock: VehicleClock | None = None) -> list[float]:
-    """What is said to be late, state by state. ``pace``: s of the vehicle's clock a second; ``down``: s of the way down,
+    """What is said to be late, state by state. ``rate``: s of the vehicle's clock a second; ``down``: s of the way down,
     ``growth``: s more of it a second."""
     clock = clock or VehicleClock()
     clock.may_restart = False

@@ -168,9 +168,9 @@ def test_what_goes_on_the_wire_is_clamped_to_its_type() -> None:
     target, named = BY_NAME["SET_ATTITUDE_TARGET"], BY_NAME["NAMED_VALUE_FLOAT"]
     encoded = Encoder(1, 1).message(target, time_boot_ms=2**40, body_roll_rate=3.5e38, thrust=-1e300, type_mask=999)
     (frame,) = Decoder().datagram(encoded)
-    told = target.named(frame.values)
-    assert (told["time_boot_ms"], told["type_mask"]) == (2**32 - 1, 255)
-    assert told["body_roll_rate"] == -told["thrust"] == pytest.approx(3.4028234663852886e38)
+    values = target.named(frame.values)
+    assert (values["time_boot_ms"], values["type_mask"]) == (2**32 - 1, 255)
+    assert values["body_roll_rate"] == -values["thrust"] == pytest.approx(3.4028234663852886e38)
     actuators = BY_NAME["SET_ACTUATOR_CONTROL_TARGET"]
     for stamp, on_wire in ((2.0**64, 2**64 - 1), (-1.0, 0), (math.nan, 0), (math.inf, 2**64 - 1)):
         (frame,) = Decoder().datagram(Encoder(1, 1).message(actuators, time_usec=stamp))

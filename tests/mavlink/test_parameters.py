@@ -143,7 +143,7 @@ def test_motors_only_where_the_vehicle_declares_them() -> None:
 def test_only_what_was_asked_for_is_kept() -> None:
     pair = Pair()
     pair.link.read(arrived(191, *read("MC_ROLL_P")))  # somebody else's question, answered to all
-    assert pair.ours.held == {}
+    assert pair.ours.values == {}
 
 
 def read(name: str) -> tuple[Format, tuple[Value, ...]]:

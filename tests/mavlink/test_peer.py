@@ -168,6 +168,6 @@ def test_a_vehicle_met_again_before_the_flight_is_asked_everything_once_more() -
     meets(link, frame("COMMAND_ACK", command=512, result=0, target_system=1, target_component=191), 0.1)
     assert link.is_set_up
     link.outgoing.clear()
-    link.met_again(5.0)
+    link.on_new_source(5.0)
     assert not link.is_set_up
     assert any(found.format.name == "COMMAND_LONG" for data in link.outgoing for found in Decoder().datagram(data))

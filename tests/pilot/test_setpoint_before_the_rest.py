@@ -25,7 +25,7 @@ def following() -> tuple[Plan, Tick]:
 
     def meddle(flown: Flown, now: float) -> None:
         last = flown.conductor.last
-        if last is not None and last.before.phase is Phase.FOLLOW and last.seen.state is not None:
+        if last is not None and last.before.phase is Phase.FOLLOW and last.observation.state is not None:
             ticks.append(last)
 
     plan = flight(duration=1.0, meddle=meddle).conductor.plan
@@ -33,45 +33,45 @@ def following() -> tuple[Plan, Tick]:
     return plan, ticks[len(ticks) // 2]
 
 
-def early(plan: Plan, memory: Memory, seen: Observation, now: float) -> bool:
+def early(plan: Plan, memory: Memory, observation: Observation, now: float) -> bool:
     """Whether the setpoint would go out first."""
-    return pilot.compute_setpoint(plan, memory, seen, now)[1] is not None
+    return pilot.compute_setpoint(plan, memory, observation, now)[1] is not None
 
 
 def test_the_setpoint_goes_first_and_is_the_tick_s(following: tuple[Plan, Tick]) -> None:
     plan, tick = following
-    memory, first = pilot.compute_setpoint(plan, tick.before, tick.seen, tick.now)
+    memory, first = pilot.compute_setpoint(plan, tick.before, tick.observation, tick.now)
     assert first is not None
     assert first.steered.setpoint == tick.outcome.setpoint
-    assert pilot.supervise(plan, memory, tick.seen, tick.now, first) == (tick.memory, tick.outcome)
+    assert pilot.supervise(plan, memory, tick.observation, tick.now, first) == (tick.memory, tick.outcome)
 
 
 def test_what_must_stop_the_setpoint_is_never_late(following: tuple[Plan, Tick]) -> None:
-    plan, (seen, _, _, now, before) = following
-    status, state = seen.status, seen.state
+    plan, (observation, _, _, now, before) = following
+    status, state = observation.status, observation.state
     assert state is not None
     seconds_back = state._replace(t_boot=state.t_boot - 0.01)
     restarted = state._replace(t_boot=state.t_boot - 60.0)
     ahead = state._replace(t_boot=state.t_boot + 1.0)
     moved = state._replace(p_n=(state.p_n[0] + 20.0, *state.p_n[1:]), resets=state.resets + 1)
     for bad in (
-        seen._replace(state=None),
-        *(seen._replace(state=wrong) for wrong in (seconds_back, restarted, ahead, moved)),
-        seen._replace(stop=True),
-        seen._replace(companions=1),
-        seen._replace(status=status._replace(mode=Fact(Mode.HOLD, now, 1.5))),
-        seen._replace(status=status._replace(armed=Fact(False, now, 2.5))),
+        observation._replace(state=None),
+        *(observation._replace(state=wrong) for wrong in (seconds_back, restarted, ahead, moved)),
+        observation._replace(stop=True),
+        observation._replace(companions=1),
+        observation._replace(status=status._replace(mode=Fact(Mode.HOLD, now, 1.5))),
+        observation._replace(status=status._replace(armed=Fact(False, now, 2.5))),
     ):
         assert not early(plan, before, bad, now)
-    assert not early(plan, before._replace(since=(now, *NOTHING_SINCE[1:])), seen, now)
-    assert not early(plan, before._replace(phase=Phase.HAND_BACK), seen, now)
+    assert not early(plan, before._replace(breaches=(now, *NOTHING_SINCE[1:])), observation, now)
+    assert not early(plan, before._replace(phase=Phase.HAND_BACK), observation, now)
 
 
 def test_an_error_of_the_law_is_acted_on_in_its_own_tick(following: tuple[Plan, Tick]) -> None:
-    plan, (seen, _, _, now, before) = following
-    assert seen.state is not None
-    broken: VehicleState = seen.state._replace(p_n=(math.nan,) * 3)
-    assert not early(plan, before, seen._replace(state=broken), now)
-    memory, outcome = pilot.step(plan, before, seen._replace(state=broken), now)
+    plan, (observation, _, _, now, before) = following
+    assert observation.state is not None
+    broken: VehicleState = observation.state._replace(p_n=(math.nan,) * 3)
+    assert not early(plan, before, observation._replace(state=broken), now)
+    memory, outcome = pilot.step(plan, before, observation._replace(state=broken), now)
     assert memory.phase is Phase.ABORT
     assert outcome.setpoint is not None

@@ -14,7 +14,7 @@ from companion.config.mission.mission import load_mission
 from companion.config.syntax.faults import ConfigError
 from companion.daemon.preparing import heights_agree
 from companion.feasibility.report import ground_under
-from companion.geodesy import NOTHING_TOLD, HomeTold
+from companion.geodesy import NO_HOME_GIVEN, GivenHome
 from companion.library.simulation import at_home
 from companion.mission import Mission
 from companion.places.origins import NotKnownError, VehicleLocation
@@ -26,8 +26,8 @@ from tests.support.plan_text import HOME, item, survey, waypoint, written
 HERE = HOME[:2]
 
 
-def read(tmp_path: Path, *items: dict[str, Any], told: HomeTold = NOTHING_TOLD, **more: Any) -> Mission:
-    return load_mission(str(written(tmp_path / "field.plan", *items, **more)), None, told)
+def read(tmp_path: Path, *items: dict[str, Any], given: GivenHome = NO_HOME_GIVEN, **more: Any) -> Mission:
+    return load_mission(str(written(tmp_path / "field.plan", *items, **more)), None, given)
 
 
 def take_off(height: float) -> dict[str, Any]:
@@ -44,7 +44,7 @@ def above_sea(mission: Mission, home: float, place: tuple[float, float] = HERE) 
 def test_a_relative_take_off_leaves_heights_above_the_sea_alone(tmp_path: Path) -> None:
     """The planned home lies 20 m higher than the true one: the waypoints are flown where they are all the same."""
     items = (take_off(16), waypoint(30, 0, 504, frame=0), waypoint(30, 30, 512, frame=0))
-    mission = read(tmp_path, *items, told=HomeTold(altitude=468.0))
+    mission = read(tmp_path, *items, given=GivenHome(altitude=468.0))
     assert above_sea(mission, 468.0) == pytest.approx([484.0, 512.0])
     assert ground_under(mission) == 0.0
     assert above_sea(read(tmp_path, *items), 488.0) == pytest.approx([504.0, 512.0])
@@ -67,9 +67,9 @@ def test_an_unknown_home_is_asked_for_where_it_is_needed(tmp_path: Path, home: A
     high = (waypoint(0, 0, 500, frame=0), waypoint(30, 0, 510, frame=0))
     with pytest.raises(ConfigError, match="say it: --home LAT,LON,METRES"):
         read(tmp_path, *high, plannedHomePosition=home)
-    told = read(tmp_path, *high, plannedHomePosition=home, told=HomeTold(*HERE, 490.0))
-    assert told.table.at(0.0)[0] == pytest.approx((0.0, 0.0, -10.0))
-    assert read(tmp_path, *high, plannedHomePosition=home, told=HomeTold(altitude=490.0)).home == (*HERE, 490.0)
+    mission = read(tmp_path, *high, plannedHomePosition=home, given=GivenHome(*HERE, 490.0))
+    assert mission.table.at(0.0)[0] == pytest.approx((0.0, 0.0, -10.0))
+    assert read(tmp_path, *high, plannedHomePosition=home, given=GivenHome(altitude=490.0)).home == (*HERE, 490.0)
 
 
 def test_a_take_off_without_a_place(tmp_path: Path) -> None:

@@ -45,7 +45,7 @@ def topics(folder: Path) -> dict[str, list[Any]]:
 
 
 def numbers(topics: dict[str, list[Any]], topic: str, field: str) -> np.ndarray[Any, Any]:
-    values = [told[field] for _, _, told in topics[topic]]
+    values = [values[field] for _, _, values in topics[topic]]
     return np.array([math.nan if value is None else value for value in values], dtype=float)
 
 
@@ -56,7 +56,7 @@ def test_a_viewer_finds_poses_path_errors_setpoints_and_notes(topics: dict[str, 
     assert schemas["/path"] == "foxglove.PosesInFrame"
     assert schemas["/scene"] == "foxglove.SceneUpdate"
     assert {"/follow", "/vehicle/state", "/setpoint/rates", "/estimates", "/link"} <= set(topics)
-    assert [entity["id"] for _, _, told in topics["/scene"] for entity in told["entities"]] == [
+    assert [entity["id"] for _, _, values in topics["/scene"] for entity in values["entities"]] == [
         "path",
         "flown",
         "vehicle",
@@ -65,9 +65,9 @@ def test_a_viewer_finds_poses_path_errors_setpoints_and_notes(topics: dict[str, 
 
 def test_every_number_has_its_unit_and_every_message_its_schema(topics: dict[str, list[Any]]) -> None:
     for messages in topics.values():
-        for schema, _, told in messages[:3]:
+        for schema, _, values in messages[:3]:
             document = json.loads(schema.data)
-            assert set(told) == set(document["properties"]), schema.name
+            assert set(values) == set(document["properties"]), schema.name
             if schema.name.startswith("companion."):
                 assert all("unit" in spec for name, spec in document["properties"].items() if name != "timestamp")
 
@@ -83,7 +83,7 @@ def test_the_messages_are_the_recorded_numbers_at_their_times(folder: Path, topi
     ):
         at = np.searchsorted(table["now"], times - 1e-6)
         assert numbers(topics, "/follow", field) == pytest.approx(table[column][at] * factor, rel=1e-8, abs=1e-9)
-    stamps = [told["timestamp"] for _, _, told in topics["/follow"]]
+    stamps = [values["timestamp"] for _, _, values in topics["/follow"]]
     assert all(
         s["sec"] * 10**9 + s["nsec"] == m.log_time for s, (_, m, _) in zip(stamps, topics["/follow"], strict=True)
     )
@@ -95,9 +95,9 @@ def test_the_messages_are_the_recorded_numbers_at_their_times(folder: Path, topi
 def test_a_viewer_sees_north_as_y_and_up_as_z(folder: Path, topics: dict[str, list[Any]]) -> None:
     table = load_table(folder / "flight.npy")
     fresh = table[table["fresh"] == 1]
-    _, message, told = topics["/vehicle/pose"][-1]
+    _, message, values = topics["/vehicle/pose"][-1]
     row = fresh[np.argmin(np.abs(fresh["now"] - message.log_time * 1e-9))]
-    position = told["pose"]["position"]
+    position = values["pose"]["position"]
     assert [position[axis] for axis in "xyz"] == pytest.approx([row["east"], row["north"], -row["down"]], rel=1e-8)
     # the last pose of the transform is the same
     assert topics["/tf"][-1][2]["translation"] == position
@@ -117,11 +117,11 @@ def test_an_attitude_is_turned_as_the_frames_are() -> None:
 
 
 def test_the_truth_is_beside_what_was_believed(topics: dict[str, list[Any]]) -> None:
-    believed = {m.log_time: told["pose"]["position"] for _, m, told in topics["/vehicle/pose"]}
+    believed = {m.log_time: values["pose"]["position"] for _, m, values in topics["/vehicle/pose"]}
     clock = np.array(sorted(believed))
-    for _, message, told in topics["/truth/pose"][5:-5]:
+    for _, message, values in topics["/truth/pose"][5:-5]:
         near = believed[clock[np.argmin(np.abs(clock - message.log_time))]]
-        assert math.dist(near.values(), told["pose"]["position"].values()) < 0.1  # 3 m/s * 20 ms
+        assert math.dist(near.values(), values["pose"]["position"].values()) < 0.1  # 3 m/s * 20 ms
 
 
 def test_the_tables_are_the_recorded_columns(folder: Path) -> None:
@@ -130,8 +130,8 @@ def test_the_tables_are_the_recorded_columns(folder: Path) -> None:
         read = list(csv.DictReader(file))
     assert len(read) == len(table) and list(read[0]) == list(table.dtype.names or ())
     for name in ("now", "north", "path_error", "phase", "sent_3", "latency"):
-        told = [math.nan if row[name] == "" else float(row[name]) for row in read]
-        assert told == pytest.approx(table[name].astype(float), rel=1e-8, abs=1e-6, nan_ok=True)
+        values = [math.nan if row[name] == "" else float(row[name]) for row in read]
+        assert values == pytest.approx(table[name].astype(float), rel=1e-8, abs=1e-6, nan_ok=True)
     with (folder / "columns.csv").open(newline="") as file:
         legend = {(row["file"], row["column"]): row["unit"] for row in csv.DictReader(file)}
     assert legend["flight.csv", "path_error"] == "m" and legend["flight.csv", "p"] == "rad/s"

@@ -13,8 +13,8 @@ from companion.record.found import found, found_words
 def columns(pace: list[float], scale: float = 1.02) -> dict[str, np.ndarray]:
     names = {"thrust_scale": scale, "drag": 0.98, "push_north": 3.0, "push_east": 4.0, "push_down": 0.0, "delay": 0.012,
              "rate_lag": 0.064}  # fmt: skip
-    told = {name: np.full(len(pace), value) for name, value in names.items()}
-    return {**told, "pace": np.array(pace), "t": np.arange(len(pace), dtype=float)}
+    columns = {name: np.full(len(pace), value) for name, value in names.items()}
+    return {**columns, "pace": np.array(pace), "t": np.arange(len(pace), dtype=float)}
 
 
 def test_figures_and_words() -> None:

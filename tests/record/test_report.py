@@ -111,7 +111,7 @@ class Reader(HTMLParser):
         return [value for key, value in self.attributes if key == name]
 
 
-def told(directory: Path) -> str:
+def page_of(directory: Path) -> str:
     """The page without its figures, which take their time."""
     return page(gathered(directory), [])
 
@@ -203,14 +203,14 @@ def test_notes_stand_out(copy: Path) -> None:
     summary = json.loads((copy / "summary.json").read_text(encoding="utf-8"))
     summary["notes"] = ["the motors go <negative>"]
     (copy / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
-    assert '<div class="notes"><h2>Take note</h2><ul><li>The motors go &lt;negative&gt;.</li>' in told(copy)
+    assert '<div class="notes"><h2>Take note</h2><ul><li>The motors go &lt;negative&gt;.</li>' in page_of(copy)
 
 
 def test_an_aborted_flight_says_why(copy: Path) -> None:
     summary = json.loads((copy / "summary.json").read_text(encoding="utf-8"))
     summary |= {"outcome": "aborted", "reason": "state is stale"}
     (copy / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
-    text = told(copy)
+    text = page_of(copy)
     assert re.search(
         r'<p class="outcome aborted">Aborted after following the path for 8\.00\s?s .*: state is stale\.', text
     )
@@ -244,7 +244,7 @@ def test_a_killed_flight_is_told_from_its_record(copy: Path) -> None:
 def test_a_flight_whose_summary_was_cut_short_keeps_its_outcome(copy: Path) -> None:
     (copy / "summary.json").write_text('{"schema": "companion.fl', encoding="utf-8")
     (copy / "truth.npy").unlink()
-    text = told(copy)
+    text = page_of(copy)
     assert "Completed: followed the path" in text
     assert "Settled, true" not in text
 
@@ -263,7 +263,7 @@ def test_an_empty_record(copy: Path) -> None:
     reader = read(copy)
     assert "the record ends before the first tick" in reader.text and "figure" not in reader.tags
     (copy / "truth.npy").unlink()
-    assert "the record ends before the first tick" in told(copy)
+    assert "the record ends before the first tick" in page_of(copy)
 
 
 def test_a_summary_of_another_shape(copy: Path) -> None:
@@ -362,14 +362,14 @@ def test_the_world_and_the_version_stand_in_the_page(flown: Path) -> None:
 
 def held(evidence: Evidence) -> Evidence:
     """The same flight, told that somebody held it from 3 to 4 s."""
-    told = {"kind": "hold", "what": "held still", "from_s": 3.0, "to_s": 4.0, "after": "start"}
-    return dataclasses.replace(evidence, resolved={**evidence.resolved, "simulation": {"events": [told]}})
+    page = {"kind": "hold", "what": "held still", "from_s": 3.0, "to_s": 4.0, "after": "start"}
+    return dataclasses.replace(evidence, resolved={**evidence.resolved, "simulation": {"events": [page]}})
 
 
 def test_what_happened_is_told_shaded_and_marked(flown: Path) -> None:
     evidence = held(gathered(flown))
-    first = float(evidence.told["t_boot"][0])
-    (hold,) = [each for each in evidence.happenings if each.kind == "hold"]
+    first = float(evidence.estimated["t_boot"][0])
+    (hold,) = [each for each in evidence.flight_events if each.kind == "hold"]
     assert (hold.begin, hold.end) == pytest.approx((3.0 - first, 4.0 - first), abs=0.01)
     assert hold.ahead == pytest.approx(2.0, abs=0.1)
     text = page(evidence, figures.figures(evidence))
@@ -388,7 +388,7 @@ def test_what_is_zoomed_into_is_what_is_drawn(flown: Path) -> None:
     estimated = [trace for trace in chart["data"] if trace["name"] == "as estimated"]
     assert [trace["yaxis"] for trace in estimated] == ["y", "y2", "y3"]
     assert sum(trace["showlegend"] for trace in estimated) == 1
-    error = 100.0 * evidence.told["path_error"]
+    error = 100.0 * evidence.estimated["path_error"]
     assert max(estimated[0]["y"]) == pytest.approx(np.max(error), rel=1e-4)
     assert chart["layout"]["xaxis3"]["title"]["text"] == "time since following began, s"
 

@@ -117,13 +117,13 @@ def test_a_vehicle_is_looked_at_and_the_curve_uploaded(port: int) -> None:
     finally:
         plant.terminate()
         plant.wait(20.0)
-    told = json.loads(done.stdout)
-    assert told["schema"] == "companion.preflight/1"
-    assert {row["parameter"]: row["now"] for row in told["parameters"]}["COM_OF_LOSS_T"] == 1.0
-    assert told["state_rate_hz"] > 20.0
-    assert told["path"][-1] == "uploaded: the curve as 60 waypoints, and a fence of 1 area"
-    assert any(line.startswith("plan: MAVSDK reads the same ") for line in told["path"])
-    assert (done.returncode, told["ok"]) == (0, True)
+    document = json.loads(done.stdout)
+    assert document["schema"] == "companion.preflight/1"
+    assert {row["parameter"]: row["now"] for row in document["parameters"]}["COM_OF_LOSS_T"] == 1.0
+    assert document["state_rate_hz"] > 20.0
+    assert document["path"][-1] == "uploaded: the curve as 60 waypoints, and a fence of 1 area"
+    assert any(line.startswith("plan: MAVSDK reads the same ") for line in document["path"])
+    assert (done.returncode, document["ok"]) == (0, True)
 
 
 def test_a_vehicle_file_is_made_of_what_a_vehicle_knows(port: int, tmp_path: Path) -> None:

@@ -49,8 +49,9 @@ def test_in_a_fast_turn_px4_flies_the_rates_that_were_meant() -> None:
 
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory = conductor.memory
-        if memory is not None and memory.steering is not None and truth.t_boot > 10.0:
-            (p, q, r), (g, k) = memory.steering.commands[-1].rates_b, memory.steering.estimate.identification.gains
+        steering = None if memory is None else memory.steering.memory
+        if steering is not None and truth.t_boot > 10.0:
+            (p, q, r), (g, k) = steering.commands[-1].rates_b, steering.estimate.identification.gains
             meant.append((p / g, q / k, r))
             asked.append(bridges[0].autopilot.cascade.rates_wanted)
 
@@ -135,11 +136,11 @@ def test_held_on_the_path_it_waits_and_carries_on(speed: float, off: float) -> N
 
 def test_at_the_end_of_the_thrust_the_path_comes_first_then_the_speed_then_the_heading() -> None:
     """A figure-eight that asks for 16.2 m/s^2 of the 15.5 there are, and for 1 N m of yaw torque of at most 0.27."""
-    told = machine("x500", drag=0.0, state_rate=100.0, link_delay=0.02)
-    assert told.limits is not None
-    told = dataclasses.replace(told, limits=dataclasses.replace(told.limits, tilt=math.radians(65.0)))
-    heavy = world("ideal", link=Link(Way(0.01), Way(0.01)), truth=Deviations(mass=1.1 * told.mass, drag=0.2))
-    done = measured(course("figure8", 4.0), told, heavy, duration=25.0, settle=10.0)
+    believed = machine("x500", drag=0.0, state_rate=100.0, link_delay=0.02)
+    assert believed.limits is not None
+    believed = dataclasses.replace(believed, limits=dataclasses.replace(believed.limits, tilt=math.radians(65.0)))
+    heavy = world("ideal", link=Link(Way(0.01), Way(0.01)), truth=Deviations(mass=1.1 * believed.mass, drag=0.2))
+    done = measured(course("figure8", 4.0), believed, heavy, duration=25.0, settle=10.0)
     assert done.reason is None
     assert done.true is not None
     assert done.true.path < 0.025
@@ -161,21 +162,21 @@ def test_outdoors_with_a_machine_that_is_not_as_its_file_says(seed: int) -> None
 @pytest.mark.parametrize("speed", [3.0, 5.0, 7.0])
 def test_the_drag_is_known_after_one_lap(speed: float) -> None:
     """PX4's simulated vehicle, nothing known but a hover thrust: its drag of 1 1/s within 5 %."""
-    told, there = PLACES["SIH"]()
-    assert told.drag == 0.0
+    believed, there = PLACES["SIH"]()
+    assert believed.drag == 0.0
     assert there.truth.drag == 1.0
     found: list[float] = []
 
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory, last = conductor.memory, conductor.last
-        if found or memory is None or memory.progress is None or last is None or last.outcome.steered is None:
+        if found or memory is None or memory.path.progress is None or last is None or last.outcome.steered is None:
             return
-        if memory.progress.travelled >= conductor.plan.table.length:
+        if memory.path.progress.travelled >= conductor.plan.table.length:
             found.append(last.outcome.steered.estimates.drag)
 
     # up to the speed it takes half the ramp's length longer
     seconds = 10.0 * math.pi / speed + speed
-    done = measured(course("circle_r5", speed), told, there, duration=seconds, settle=seconds - 1.0, watch=watch)
+    done = measured(course("circle_r5", speed), believed, there, duration=seconds, settle=seconds - 1.0, watch=watch)
     assert done.reason is None
     assert found[0] == pytest.approx(1.0, abs=0.05)
 
@@ -200,10 +201,10 @@ def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, m
     converged_at: list[float] = []
 
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
-        if conductor.memory is None or conductor.memory.steering is None:
+        if conductor.memory is None or conductor.memory.steering.memory is None:
             return
         heights.append(truth.p_n[2])
-        if conductor.memory.steering.estimate.motion.estimator.converged and not converged_at:
+        if conductor.memory.steering.memory.estimate.motion.estimator.converged and not converged_at:
             converged_at.append(now)
 
     done = measured(course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=5.0, settle=3.0, watch=watch)

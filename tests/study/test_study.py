@@ -280,8 +280,8 @@ def test_a_study_is_flown_told_and_flown_again(tmp_path: Path, monkeypatch: pyte
         json.loads(Path("r/flights/1/summary.json").read_text())["truth"]["settled"]["path_error_m"]["rms"]
         == (second["truth.settled.path_error_m.rms"])
     )
-    told = CliRunner().invoke(app, ["study", "worst", "r"])
-    assert len(told.stdout.splitlines()) == 2
+    result = CliRunner().invoke(app, ["study", "worst", "r"])
+    assert len(result.stdout.splitlines()) == 2
     assert CliRunner().invoke(app, ["study", "report", "r"]).exit_code == 0
     page = Path("r/report.html").read_text(encoding="utf-8")
     assert "2 of 2 flights passed" in page and "<svg" in page and "http-equiv" not in page

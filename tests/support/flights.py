@@ -153,8 +153,8 @@ def flight(
         if conductor.last is not None and conductor.last.now == between.now:
             if conductor.last.outcome.setpoint is not None:
                 flown.setpoints.append((between.now, conductor.last.outcome.setpoint))
-            if conductor.last.memory.progress is not None:
-                flown.path_errors.append((between.now, conductor.last.memory.progress.path_error))
+            if conductor.last.memory.path.progress is not None:
+                flown.path_errors.append((between.now, conductor.last.memory.path.progress.path_error))
         if meddle is not None:
             meddle(flown, between.now)
 

@@ -71,12 +71,12 @@ async def words(client: TestClient[Any, Any], path: str = "/words") -> AsyncIter
 
 def test_a_flight_says_where_it_is_and_how_well_it_holds(flown: Flown) -> None:
     tick = flown.conductor.last
-    assert tick is not None and tick.memory.state is not None and tick.memory.progress is not None
+    assert tick is not None and tick.memory.state is not None and tick.memory.path.progress is not None
     said = live_document(flown.conductor, tick.now + 0.5)
     assert said is not None
     json.dumps(said, allow_nan=False)
     assert said["p_n"] == pytest.approx(tick.memory.state.p_n, abs=1e-4)
-    assert said["path_error_m"] == pytest.approx(tick.memory.progress.path_error, abs=1e-4)
+    assert said["path_error_m"] == pytest.approx(tick.memory.path.progress.path_error, abs=1e-4)
     assert said["phase"] == tick.memory.phase.value
     assert said["link"]["age_s"] == pytest.approx(tick.now + 0.5 - (tick.memory.state_at or 0.0), abs=1e-3)
     tilt = next(guard for guard in said["guards"] if guard["name"] == "tilt")
@@ -99,10 +99,10 @@ def test_viewers_see_the_flight_its_path_and_its_trail(own: Path, flown: Flown) 
     publish(flown)
 
     async def visit(client: TestClient[Any, Any]) -> None:
-        async for told in words(client):
-            if told:
+        async for received in words(client):
+            if received:
                 break
-        (one,) = told
+        (one,) = received
         assert one["about"]["mission"] == "circle" and one["state"] == "" and one["has_path"]
         assert one["notes"] == ["join -> follow: on the path"]
         assert one["live"]["p_n"] == live_document(flown.conductor, 0.0)["p_n"]  # type: ignore[index]
@@ -149,8 +149,8 @@ def test_only_who_has_the_token_is_let_in(own: Path) -> None:
                     assert answer.status == 403 and "companion watch printed" in await answer.text()
         async with client.get(f"/?token={TOKEN}") as answer:
             assert answer.status == 200
-        async for told in words(client, f"/words?token={TOKEN}"):
-            assert told == []
+        async for received in words(client, f"/words?token={TOKEN}"):
+            assert received == []
             break
 
     served(TOKEN, visit)
@@ -207,9 +207,9 @@ def test_rubbish_beside_a_status_is_no_flight(own: Path, flown: Flown) -> None:
     publish(flown)
     for text in ("", "{", "[1]", '{"p_n": NaN}', '{"p_n": ["<b>", 1, 2]}', "[" * 5000):
         (own / f"{os.getpid()}.live").write_text(text)
-        (told,) = Flights().look()
-        json.dumps(told, allow_nan=False)
-        assert told["live"] is None or told["live"]["p_n"] == ["<b>", 1, 2]
+        (received,) = Flights().look()
+        json.dumps(received, allow_nan=False)
+        assert received["live"] is None or received["live"]["p_n"] == ["<b>", 1, 2]
 
 
 def test_where_it_listens() -> None:
@@ -231,11 +231,11 @@ def test_bad_input_is_answered_in_one_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "short").write_text("abc\n")
-    told = CliRunner().invoke(app, ["watch", *words])
-    assert said in str(told.exception) and "\n" not in str(told.exception)
+    received = CliRunner().invoke(app, ["watch", *words])
+    assert said in str(received.exception) and "\n" not in str(received.exception)
 
 
 def test_an_address_that_is_taken_is_named() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        told = CliRunner().invoke(app, ["watch", "--listen", f"127.0.0.1:{taken.getsockname()[1]}"])
-    assert "cannot be opened" in str(told.exception)
+        received = CliRunner().invoke(app, ["watch", "--listen", f"127.0.0.1:{taken.getsockname()[1]}"])
+    assert "cannot be opened" in str(received.exception)

@@ -139,14 +139,14 @@ class Course:
         first_at = now + min((e.when.begin for e in strike.events), default=case.stop_at or 0.0)
         self._first_at = first_at if self._first_at is None else min(first_at, self._first_at)
 
-    def measure(self, now: float, height: float, lean: float, *, is_ours: bool) -> None:
+    def measure(self, now: float, height: float, angle: float, *, is_ours: bool) -> None:
         """Where the vehicle truly is; ``is_ours``: armed, in the air, in one of OURS."""
         flight = self.flight
         if flight.event_at is None and self._first_at is not None and now >= self._first_at:
             flight.event_at, flight.height_then = now, height
         if not is_ours:
             return
-        flight.steepest = max(flight.steepest, lean)
+        flight.steepest = max(flight.steepest, angle)
         self._was_high = self._was_high or height > 0.9 * flight.height_then
         if flight.event_at is not None and self._was_high:
             flight.lowest = min(flight.lowest, height)

@@ -137,5 +137,5 @@ class Sortie:
         self._orders_seen = len(orders)
 
     def _measure(self) -> None:
-        height, lean, is_ours = seen(self.bridge)
-        self._course.measure(self.bridge.now, height, lean, is_ours=is_ours)
+        height, angle, is_ours = seen(self.bridge)
+        self._course.measure(self.bridge.now, height, angle, is_ours=is_ours)

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from companion.vehicle import OutputLevel
 from trials.faults.case import Case
-from trials.faults.chance import TIME_OUT, drawn, simpler
 from trials.faults.flying import fly
+from trials.faults.random_cases import TIME_OUT, drawn, simpler
 from trials.faults.rules import broken
 
 TRIES = 40

@@ -22,20 +22,20 @@ class Mutator:
 
     def __init__(self, share: float, seed: int) -> None:
         self._share = share
-        self._chance = random.Random(f"mutation {seed}")
+        self._random = random.Random(f"mutation {seed}")
         self._decoder = Decoder(wanted=READ)
         self.changed = 0
 
     def __call__(self, datagram: bytes) -> bytes:
-        chance = self._chance
-        if chance.random() >= self._share:
+        rng = self._random
+        if rng.random() >= self._share:
             return datagram
         frames = self._decoder.datagram(datagram)
         if len(frames) != 1 or frames[0].raw != datagram:
             return datagram
         frame = frames[0]
         values = list(frame.values)
-        at = chance.randrange(len(values))
+        at = rng.randrange(len(values))
         values[at] = self._other(values[at])
         encoder = Encoder(frame.system, frame.component, datagram[SEQUENCE_AT])
         try:
@@ -46,11 +46,11 @@ class Mutator:
         return changed
 
     def _other(self, value: Value) -> Value:
-        chance = self._chance
+        rng = self._random
         if isinstance(value, float):
-            return chance.choice((*FLOATS, value * chance.uniform(-3.0, 3.0), value + chance.gauss(0.0, 1.0)))
+            return rng.choice((*FLOATS, value * rng.uniform(-3.0, 3.0), value + rng.gauss(0.0, 1.0)))
         if isinstance(value, int):
-            return chance.choice((0, 1, value ^ 1 << chance.randrange(8), value + 1, 255, 65535, 2**32 - 1, 2**64 - 1))
+            return rng.choice((0, 1, value ^ 1 << rng.randrange(8), value + 1, 255, 65535, 2**32 - 1, 2**64 - 1))
         if isinstance(value, bytes):
-            return bytes(chance.randrange(256) for _ in value)
+            return bytes(rng.randrange(256) for _ in value)
         return value

@@ -29,7 +29,7 @@ class Seen(NamedTuple):
 
     at: float
     height: float
-    lean: float
+    angle: float
     is_ours: bool
 
 
@@ -89,7 +89,7 @@ def _add(course: Course, told: Told, begun: float) -> None:
         if result == 0:
             flight.words.append(Word(at - begun, order, flight.phase_at(at - begun), mode))
     for moment in told.seen:
-        course.measure(moment.at - begun, moment.height, moment.lean, is_ours=moment.is_ours)
+        course.measure(moment.at - begun, moment.height, moment.angle, is_ours=moment.is_ours)
 
 
 class _LookedAt:

@@ -23,8 +23,8 @@ def wrong(flight: Flight) -> list[str]:
     ends = (case.end, *case.or_end)
     found = broken(flight)
     if not any(_ended(flight, end) for end in ends):
-        told = " or ".join(end.value for end in ends)
-        found.append(f"ends otherwise than {told}: {_state_in_words(flight)}")
+        expected = " or ".join(end.value for end in ends)
+        found.append(f"ends otherwise than {expected}: {_state_in_words(flight)}")
     if case.says and not (flight.completed and End.FLOWN in ends) and not re.search(case.says, flight.sentence or ""):
         found.append(f"says {flight.sentence!r}, expected {case.says!r}")
     if flight.event_at is None and (case.events or case.strikes):
@@ -49,7 +49,7 @@ def _ended(flight: Flight, end: End) -> bool:
         case End.REFUSED:
             return over and not flight.traffic.commands and bool(flight.sentence)
         case End.OPERATORS:
-            return over and bool(flight.words) and _as_told(flight)
+            return over and bool(flight.words) and _obeyed_order(flight)
         case End.ENDED:
             return over and bool(flight.sentence)
         case End.DISARMED:
@@ -57,7 +57,7 @@ def _ended(flight: Flight, end: End) -> bool:
     raise AssertionError(end)
 
 
-def _as_told(flight: Flight) -> bool:
+def _obeyed_order(flight: Flight) -> bool:
     """Whether the vehicle does, or has done, what its operator said last."""
     order = flight.words[-1].order.order
     if order in (Order.DISARM, Order.KILL, Order.TERMINATE):
@@ -86,9 +86,9 @@ def _out_of_bounds(flight: Flight) -> Iterator[str]:
         most = HALF * flight.height_then if case.lost_max is None else case.lost_max
         if math.isfinite(flight.lowest) and lost > most:
             yield f"{lost:.1f} m lower than the {flight.height_then:.1f} m it flew at"
-        lean = math.degrees(flight.steepest)
-        if lean > case.tilt_max:
-            yield f"tilts by {lean:.0f} degrees"
+        angle = math.degrees(flight.steepest)
+        if angle > case.tilt_max:
+            yield f"tilts by {angle:.0f} degrees"
     if case.within is not None and flight.event_at is not None:
         noticed = math.inf if flight.noticed_at is None else flight.noticed_at - flight.event_at
         if noticed > case.within:

@@ -52,11 +52,6 @@ class Course:
         assert isinstance(path, Curve)
         return path
 
-    @property
-    def laps_of(self) -> float:
-        """s that a lap takes."""
-        return self.curve.table.length / self.speed
-
     @cached_property
     def _over_arc(self) -> CubicSpline:
         """gamma and its first three derivatives over arc length, finely."""

@@ -52,7 +52,7 @@ def fly(
                 conductor.memory = conductor.memory._replace(steering=None)
             swapped = True
         memory = conductor.memory
-        if memory is not None and memory.follow_from is not None:
+        if memory is not None and memory.path.follow_from is not None:
             track.append(sample(bridge.now, bridge, believed))
 
     fly_in_lockstep(conductor, bridge, watch, OVERHEAD + seconds)

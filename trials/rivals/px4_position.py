@@ -8,6 +8,7 @@ from companion.frames import euler_from_rotation, rotation_matrix, tilt
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Value, message
 from companion.mavlink.modes import Mode
+from companion.mavlink_common import MAV_FRAME_LOCAL_NED
 from companion.vehicle import Vehicle
 from companion.world import Start, World
 from sim_bridge.bridge import Bridge
@@ -17,7 +18,6 @@ from trials.rivals.figures import Sample
 PERIOD = 1.0 / 90.0
 STREAM_FIRST = 0.5
 """s of setpoints before OFFBOARD is asked for."""
-LOCAL_NED = 1
 USE_YAW = 0x800
 """Position, velocity, acceleration and yaw are used, the yaw rate is not."""
 
@@ -54,7 +54,12 @@ def sample(t: float, bridge: Bridge, believed: bool) -> Sample:
 
 def _setpoint(course: Course, t: float) -> dict[str, Value]:
     moment = course.at(t)
-    fields: dict[str, Value] = {"coordinate_frame": LOCAL_NED, "type_mask": USE_YAW, "yaw": 0.0, "yaw_rate": math.nan}
+    fields: dict[str, Value] = {
+        "coordinate_frame": MAV_FRAME_LOCAL_NED,
+        "type_mask": USE_YAW,
+        "yaw": 0.0,
+        "yaw_rate": math.nan,
+    }
     for names, values in (
         (("x", "y", "z"), moment.p_n),
         (("vx", "vy", "vz"), moment.v_n),

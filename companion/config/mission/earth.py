@@ -127,7 +127,7 @@ def _check(document: Document, key: Key, place: dict[str, Any], height: bool, fa
 def _heights(document: Document, origin: GlobalOrigin, places: list[tuple[Key, dict[str, Any]]]) -> list[Fault]:
     wanted = "above_home" if origin.above_home else "amsl"
     return [
-        document.fault(key, f"its height is not told as the origin's is; expected {wanted}")
+        document.fault(key, f"its height counts from elsewhere than the origin's; expected {wanted}")
         for key, place in places
         if "fence" not in key and wanted not in place
     ]

@@ -101,7 +101,7 @@ class _OrAuto:
         return {"anyOf": [{"const": "auto"}, handler(core)]}
 
 
-GainsOrAuto = Annotated[GainsModel, BeforeValidator(lambda told: {} if told == "auto" else told), _OrAuto()]
+GainsOrAuto = Annotated[GainsModel, BeforeValidator(lambda value: {} if value == "auto" else value), _OrAuto()]
 """The gains of a mission file, or auto."""
 
 

@@ -36,7 +36,7 @@ from companion.config.syntax.file_lookup import find, read
 from companion.config.syntax.schema import Strict, validate
 from companion.fence import Fence
 from companion.frames import Heading, Vec3
-from companion.geodesy import NOTHING_TOLD, HomeTold
+from companion.geodesy import NO_HOME_GIVEN, GivenHome
 from companion.law.gains import Level
 from companion.mission import GlobalOrigin, Mission, Origin, Repeat, Start
 from companion.mission import Path as MissionPath
@@ -128,13 +128,13 @@ class MissionModel(Strict):
         return speed
 
 
-def load_mission(name: str, level: Level | None, told: HomeTold = NOTHING_TOLD) -> Mission:
+def load_mission(name: str, level: Level | None, given: GivenHome = NO_HOME_GIVEN) -> Mission:
     """The mission of a name in configs/missions or a path, with gains for ``level``, its curve traced and its speed
-    checked. ``told``: of home, beside the file. ConfigError with every fault."""
+    checked. ``given``: of home, beside the file. ConfigError with every fault."""
     path = find(name, "missions")
     if is_plan(name):
-        return mission_from(parsed(mission_text(path), str(path)), level, told=told)
-    return mission_from(parse(read(path), str(path)), level, told=told)
+        return mission_from(parsed(mission_text(path), str(path)), level, given=given)
+    return mission_from(parse(read(path), str(path)), level, given=given)
 
 
 def bare_mission_from(document: Document, level: Level) -> Mission:
@@ -159,15 +159,15 @@ def bare_mission_from(document: Document, level: Level) -> Mission:
 
 
 def mission_from(
-    document: Document, level: Level | None, beside: Path | None = None, told: HomeTold = NOTHING_TOLD, *,
+    document: Document, level: Level | None, beside: Path | None = None, given: GivenHome = NO_HOME_GIVEN, *,
     simulated: bool = False,
 ) -> Mission:  # fmt: skip
     """The mission a document describes. ``beside``: the folder its plan lies in, if it has one; None: as it says.
-    ``told``: of home, beside the file. ``simulated``: gains slower than advised are noted and
+    ``given``: of home, beside the file. ``simulated``: gains slower than advised are noted and
     not refused. ConfigError with every fault."""
     document, origin = localised(document)
     model = validate(document, MissionModel)
-    reader = _Reader(document, model, origin or _origin(model.origin), beside, told)
+    reader = _Reader(document, model, origin or _origin(model.origin), beside, given)
     mission = reader.mission(level, check=True, simulated=simulated)
     faults = reader.faults
     if mission is not None and isinstance(mission.path, ImplicitPath) and mission.path.near is None:
@@ -184,9 +184,9 @@ class _Reader:
 
     def __init__(
         self, document: Document, model: MissionModel, origin: Origin | GlobalOrigin | None, beside: Path | None,
-        told: HomeTold = NOTHING_TOLD,
+        given: GivenHome = NO_HOME_GIVEN,
     ) -> None:  # fmt: skip
-        self._document, self._model, self._origin, self._beside, self._told = document, model, origin, beside, told
+        self._document, self._model, self._origin, self._beside, self._given = document, model, origin, beside, given
         self._placement = Placement(turn=math.radians(model.rotate_deg), enu=model.frame == "enu")
         self._plan: Planned | None = None
         self.faults: list[Fault] = []
@@ -229,8 +229,8 @@ class _Reader:
             repeat=None if model.repeat is None else Repeat(model.repeat),
             fence=_both(fence_from(model.fence), None if plan is None else plan.fence),
             notes=(*(() if plan is None else plan.notes), *(noted or ())),
-            home=self._told.over(None) if plan is None else plan.home,
-            home_told=self._told,
+            home=self._given.over(None) if plan is None else plan.home,
+            given_home=self._given,
             mixed_heights=plan is not None and plan.mixed_heights,
             actions=() if plan is None else plan.actions,
         )
@@ -250,7 +250,7 @@ class _Reader:
         if model.rotate_deg != 0.0:
             self._fault(("rotate_deg",), "a plan is not turned; expected none")
         try:
-            self._plan = read_plan(self._document, model.path, self._placement, self._beside, self._told)
+            self._plan = read_plan(self._document, model.path, self._placement, self._beside, self._given)
         except ConfigError as error:
             self.faults += error.faults
             return None

@@ -12,7 +12,6 @@ from companion.config.syntax.units import not_radians
 
 SPEED_MIN = 0.05
 """m/s; a speed given over displacement that comes to zero never leaves it again."""
-Distance = Annotated[float, Field(ge=0.0, le=1e6)]
 MetresPerSecond = Annotated[float, Field(ge=-100.0, le=100.0)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0), AfterValidator(not_radians)]
 Row = Annotated[list[float], Field(min_length=2, max_length=2)]
@@ -67,7 +66,7 @@ class YawTableModel(Strict):
 
 def _speed_form(value: Any) -> str:
     if isinstance(value, dict):
-        return "auto with a say" if "auto" in value else "a table"
+        return "auto with options" if "auto" in value else "a table"
     return "words" if isinstance(value, str) else "a number"
 
 
@@ -81,7 +80,7 @@ SpeedModel = Annotated[
     Annotated[MetresPerSecond, Tag("a number")]
     | Annotated[str, Tag("words")]
     | Annotated[SpeedTableModel, Tag("a table")]
-    | Annotated[AutoSpeedModel, Tag("auto with a say")],
+    | Annotated[AutoSpeedModel, Tag("auto with options")],
     Discriminator(_speed_form),
 ]
 YawModel = Annotated[

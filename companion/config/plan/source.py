@@ -13,7 +13,7 @@ from companion.config.plan.to_mission import Planned, planned
 from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import read
-from companion.geodesy import HomeTold
+from companion.geodesy import GivenHome
 from companion.paths.placement import Placement
 from companion.paths.tracing import PathError
 from companion.plans.items import Plan, PlanError
@@ -56,29 +56,29 @@ def plan_path(document: Document, file: str, beside: Path | None) -> Path:
 
 
 def read_plan(
-    document: Document, model: PlanModel, placement: Placement, beside: Path | None, told: HomeTold
+    document: Document, model: PlanModel, placement: Placement, beside: Path | None, given: GivenHome
 ) -> Planned:
-    """What a mission of kind plan flies. ``told``: of home, beside it. ConfigError with its every fault."""
+    """What a mission of kind plan flies. ``given``: of home, beside it. ConfigError with its every fault."""
     path = plan_path(document, model.file, beside)
     if not path.is_file():
         raise ConfigError([document.fault(("path", "file"), f"{path}: no such file; expected a .plan or a .waypoints")])
     plan, lines = plan_from(read(path), str(path))
-    plan = replace(plan, home=told.over(plan.home))
+    plan = replace(plan, home=given.over(plan.home))
     try:
-        return planned(plan, model.corner_tolerance, model.smooth, placement, told.altitude, lines.line)
+        return planned(plan, model.corner_tolerance, model.smooth, placement, given.altitude, lines.line)
     except PlanError as error:
         raise ConfigError([lines.fault(problem.key, problem.message) for problem in error.problems]) from None
     except (ValueError, ArithmeticError, PathError) as error:
         raise ConfigError([Fault(str(path), 1, "", f"the path {error}")]) from None
 
 
-def plan_of(name: str, told: HomeTold) -> Plan | None:
-    """The plan that ``name`` is, with ``told`` of its home; None where it is a mission file. ConfigError with every
+def plan_of(name: str, given: GivenHome) -> Plan | None:
+    """The plan that ``name`` is, with ``given`` of its home; None where it is a mission file. ConfigError with every
     fault."""
     if not is_plan(name):
         return None
     plan, _ = plan_from(read(Path(name)), name)
-    return replace(plan, home=told.over(plan.home))
+    return replace(plan, home=given.over(plan.home))
 
 
 def attached(text: str, file: str) -> tuple[str, str] | None:

@@ -89,7 +89,7 @@ class RequireModel(Strict):
 
 
 class StudyModel(Strict):
-    """A study: one mission flown many times, each time a little otherwise."""
+    """A study: one mission flown many times, each time a little different."""
 
     study: Annotated[str, Field(min_length=1, max_length=80)]
     """the study's name"""

@@ -80,8 +80,8 @@ class GustsModel(Strict):
 
     @model_validator(mode="after")
     def _is_one_of_two(self) -> GustsModel:
-        told = (self.sigma_mps is not None, self.length_m is not None, self.wind_at_6m_mps is not None)
-        if told not in ((True, True, False), (False, False, True)):
+        given = (self.sigma_mps is not None, self.length_m is not None, self.wind_at_6m_mps is not None)
+        if given not in ((True, True, False), (False, False, True)):
             raise ValueError("expected sigma_mps and length_m, or wind_at_6m_mps alone")
         return self
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from companion.record.export.mcap_file import Told
+from companion.record.export.mcap_file import FolderContext
 
 
-def told_in(directory: Path) -> Told:
+def read_context(directory: Path) -> FolderContext:
     """The clock's epoch, the notes and the words of a flight folder that ``load_flight`` has read. A note that is cut
     short, and all that is missing, is left out."""
     resolved = json.loads((directory / "resolved.json").read_text(encoding="utf-8"))
@@ -32,4 +32,4 @@ def told_in(directory: Path) -> Told:
             continue
         if 0.0 <= seconds < 1e10:
             notes.append((seconds, words))
-    return Told(float(resolved.get("epoch", 0.0)), notes, about)
+    return FolderContext(float(resolved.get("epoch", 0.0)), notes, about)

@@ -60,7 +60,7 @@ class Channel(NamedTuple):
     messages: list[tuple[int, bytes]]
 
 
-class Told(NamedTuple):
+class FolderContext(NamedTuple):
     """What stands beside the table in a flight folder. ``epoch``: s since 1970 when our clock read zero. ``notes``: s
     since 1970, and the line. ``about``: what the file is about, as words."""
 
@@ -69,7 +69,7 @@ class Told(NamedTuple):
     about: dict[str, str]
 
 
-def write_mcap(file: Path, flight: Recorded, told: Told, log: VehicleLog | None = None) -> int:
+def write_mcap(file: Path, flight: Recorded, context: FolderContext, log: VehicleLog | None = None) -> int:
     """Write it, with the vehicle's own ``log`` where it was joined; how many messages it has. CompanionError: the
     library is missing. OSError: it cannot be written."""
     try:
@@ -78,11 +78,11 @@ def write_mcap(file: Path, flight: Recorded, told: Told, log: VehicleLog | None 
         raise CompanionError(
             "no MCAP file: the library mcap is missing; pip install 'px4-path-companion[log]', or take --csv"
         ) from None
-    channels = [*_poses(flight.table, told.epoch), *_scenes(flight, told.epoch), *_truth(flight, told.epoch)]
-    channels += [_numbers(series, told.epoch) for series in series_of(flight.table)]
+    channels = [*_poses(flight.table, context.epoch), *_scenes(flight, context.epoch), *_truth(flight, context.epoch)]
+    channels += [_numbers(series, context.epoch) for series in series_of(flight.table)]
     if log is not None:
-        channels += [_numbers(series, told.epoch) for series in log_series(flight.table, log)]
-    channels.append(_notes(told))
+        channels += [_numbers(series, context.epoch) for series in log_series(flight.table, log)]
+    channels.append(_notes(context))
     order = [Message(t, i, data) for i, channel in enumerate(channels) for t, data in channel.messages]
     order.sort(key=itemgetter(0))
     with file.open("wb") as out:
@@ -96,7 +96,7 @@ def write_mcap(file: Path, flight: Recorded, told: Told, log: VehicleLog | None 
             writer.add_message(ids[i], t, data, t)
         phases = {str(index): phase.value for index, phase in enumerate(Phase)}
         writer.add_metadata("phases", phases)
-        writer.add_metadata("flight", told.about)
+        writer.add_metadata("flight", context.about)
         writer.finish()  # type: ignore[no-untyped-call]
     return len(order)
 
@@ -200,10 +200,10 @@ def _truth(flight: Recorded, epoch: float) -> list[Channel]:
     return [*moving, _numbers(motion, epoch)]
 
 
-def _notes(told: Told) -> Channel:
+def _notes(context: FolderContext) -> Channel:
     name = "foxglove.Log"
     messages = []
-    for seconds, line in told.notes:
+    for seconds, line in context.notes:
         at = max(0, round(seconds * 1e6) * 1000)
         entry = {"timestamp": json.loads(stamp(at)), "level": INFO, "message": line, "name": "companion"}
         messages.append((at, json.dumps({**entry, "file": "", "line": 0}).encode()))

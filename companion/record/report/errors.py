@@ -57,16 +57,16 @@ GOALS = (
 def over_time(evidence: Evidence) -> Figure:
     """How fast the errors go away, and what stays."""
     figure, panels = stacked([1.0, 1.0, 1.0], 5.9)
-    told, true, settled = evidence.told, evidence.true, evidence.settled_from
-    shade(panels, evidence, 0.0, float(told["t"][-1]))
+    estimated, true, settled = evidence.estimated, evidence.true, evidence.settled_from
+    shade(panels, evidence, 0.0, float(estimated["t"][-1]))
     for panel, goal in zip(panels, GOALS, strict=True):
-        seen = goal.factor * told[goal.column]
-        late = seen if settled is None else seen[told["since"] >= settled]
+        seen = goal.factor * estimated[goal.column]
+        late = seen if settled is None else seen[estimated["since"] >= settled]
         rest = float(np.sqrt(np.mean(late**2)))
         logarithmic = bool(np.max(np.abs(seen)) > DECADES_APART * max(rest, goal.floor))
         if true is not None:
             _line(panel, true["t"], goal.factor * true[goal.column], logarithmic, TRUE, 3.4, "true")
-        _line(panel, told["t"], seen, logarithmic, BLUE, 1.1, "as estimated" if true is not None else None)
+        _line(panel, estimated["t"], seen, logarithmic, BLUE, 1.1, "as estimated" if true is not None else None)
         if logarithmic:
             decades(panel, max(goal.floor, 0.3 * rest), float(np.max(np.abs(seen))))
         else:
@@ -89,7 +89,7 @@ def over_time(evidence: Evidence) -> Figure:
             fontsize=8,
             color=FAINT,
         )
-    along_x(panels[-1], TIME, 0.0, max(float(told["t"][-1]), 1e-3))
+    along_x(panels[-1], TIME, 0.0, max(float(estimated["t"][-1]), 1e-3))
     figure_legend(figure, panels[0])
     return figure
 
@@ -97,29 +97,29 @@ def over_time(evidence: Evidence) -> Figure:
 def themselves(evidence: Evidence) -> Figure:
     """Speed and heading themselves, beside what the mission asks for at the same place."""
     figure, (speed, yaw) = stacked([1.0, 1.0], 4.2)
-    told, true = evidence.told, evidence.true
-    shade([speed, yaw], evidence, 0.0, float(told["t"][-1]))
-    heading = np.degrees(np.unwrap(told["yaw"]))
+    estimated, true = evidence.estimated, evidence.true
+    shade([speed, yaw], evidence, 0.0, float(estimated["t"][-1]))
+    heading = np.degrees(np.unwrap(estimated["yaw"]))
     # what is asked for runs beside what is flown, not a turn away from it
-    asked = heading - np.degrees(told["yaw_error"])
-    speeds, headings = [told["speed"], told["alpha"]], [heading, asked]
+    asked = heading - np.degrees(estimated["yaw_error"])
+    speeds, headings = [estimated["speed"], estimated["alpha"]], [heading, asked]
     if true is not None:
         _line(speed, true["t"], true["speed"], False, TRUE, 3.4, "true")
-        flown = np.interp(true["t"], told["t"], asked) + np.degrees(true["yaw_error"])
+        flown = np.interp(true["t"], estimated["t"], asked) + np.degrees(true["yaw_error"])
         _line(yaw, true["t"], flown, False, TRUE, 3.4, None)
         speeds.append(true["speed"])
         headings.append(flown)
-    _line(speed, told["t"], told["speed"], False, BLUE, 1.1, "flown" if true is None else "as estimated")
-    _line(speed, told["t"], told["alpha"], False, INK, 0.9, "the mission asks for", DASHES)
-    _line(yaw, told["t"], heading, False, BLUE, 1.1, None)
-    _line(yaw, told["t"], asked, False, INK, 0.9, None, DASHES)
+    _line(speed, estimated["t"], estimated["speed"], False, BLUE, 1.1, "flown" if true is None else "as estimated")
+    _line(speed, estimated["t"], estimated["alpha"], False, INK, 0.9, "the mission asks for", DASHES)
+    _line(yaw, estimated["t"], heading, False, BLUE, 1.1, None)
+    _line(yaw, estimated["t"], asked, False, INK, 0.9, None, DASHES)
     for panel, name, curves, least in (
         (speed, "Speed along the path, m/s", speeds, 0.1),
         (yaw, "Heading, deg clockwise from north", headings, 2.0),
     ):
         named(panel, name)
         spanned(panel, min(map(np.min, curves)), max(map(np.max, curves)), least)
-    along_x(yaw, TIME, 0.0, max(float(told["t"][-1]), 1e-3))
+    along_x(yaw, TIME, 0.0, max(float(estimated["t"][-1]), 1e-3))
     figure_legend(figure, speed)
     return figure
 
@@ -144,21 +144,21 @@ def _line(
 def over_path(evidence: Evidence) -> tuple[Figure, bool]:
     """Where along the path the errors are, lap over lap; and whether the approach leaves the frame."""
     figure, panels = stacked([1.0, 1.0, 1.0], 5.6)
-    told, settled = evidence.told, evidence.settled_from
-    laps = _laps(evidence, told)
+    estimated, settled = evidence.estimated, evidence.settled_from
+    laps = _laps(evidence, estimated)
     colours = ramp_of_colours("viridis", 0.0, 0.85)
     labelled = {laps[i][0] for i in np.unique(np.linspace(0, len(laps) - 1, min(5, len(laps))).astype(int))}
     most = max(lap for lap, _ in laps)
     leaves = False
     for panel, goal in zip(panels, GOALS, strict=True):
-        error = goal.factor * told[goal.column]
+        error = goal.factor * estimated[goal.column]
         for lap, rows in laps:
             chosen = rows[kept(error[rows], points=1000)]
             share = (lap - 1) / max(1, most - 1)
-            x, y = _broken(told["s"][chosen], error[chosen], evidence.plan.table.length)
+            x, y = _broken(estimated["s"][chosen], error[chosen], evidence.plan.table.length)
             label = f"lap {lap}" if lap in labelled else None
             panel.plot(x, y, color=colours(share), linewidth=1.1, label=label)
-        late = error if settled is None else error[told["since"] >= settled]
+        late = error if settled is None else error[estimated["since"] >= settled]
         _linear(panel, goal, late)
         bottom, top = panel.get_ylim()
         leaves = leaves or bool(np.max(error) > top or np.min(error) < bottom)
@@ -168,9 +168,11 @@ def over_path(evidence: Evidence) -> tuple[Figure, bool]:
     return figure, leaves
 
 
-def _laps(evidence: Evidence, told: Series) -> list[tuple[int, np.ndarray]]:
+def _laps(evidence: Evidence, estimated: Series) -> list[tuple[int, np.ndarray]]:
     """(number of the lap, its rows)."""
-    lap = np.floor(np.maximum(told["travelled"] - told["travelled"][0], 0.0) / evidence.plan.table.length).astype(int)
+    lap = np.floor(
+        np.maximum(estimated["travelled"] - estimated["travelled"][0], 0.0) / evidence.plan.table.length
+    ).astype(int)
     return [(int(number) + 1, np.flatnonzero(lap == number)) for number in np.unique(lap)]
 
 

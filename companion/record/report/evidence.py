@@ -16,7 +16,7 @@ from companion import pilot
 from companion.flight.phases import Phase
 from companion.plan import Plan
 from companion.record import rows
-from companion.record.events import Happening, happenings
+from companion.record.events import FlightEvent, flight_events
 from companion.record.replay import Recorded, load_flight
 from companion.record.series import followed_series, true_series
 from companion.record.summary import summary
@@ -51,16 +51,16 @@ class Evidence:
     cuts: tuple[str, ...] = ()
 
     @cached_property
-    def told(self) -> Series:
+    def estimated(self) -> Series:
         """The followed part as the companion saw it; ``t`` is s of following."""
         return followed_series(self.table)
 
     @cached_property
     def true(self) -> Series | None:
         """The same from the plant's true state; None where there is none."""
-        if self.truth is None or len(self.truth) == 0 or len(self.told["t"]) == 0:
+        if self.truth is None or len(self.truth) == 0 or len(self.estimated["t"]) == 0:
             return None
-        series = true_series(self.plan, self.told, self.truth)
+        series = true_series(self.plan, self.estimated, self.truth)
         return series if len(series["t"]) else None
 
     @cached_property
@@ -69,14 +69,14 @@ class Evidence:
         return kept(self.directory)
 
     @cached_property
-    def happenings(self) -> list[Happening]:
+    def flight_events(self) -> list[FlightEvent]:
         """What happened while following, in the order of time."""
-        return happenings(self.told, self.table, self.resolved.get("simulation"))
+        return flight_events(self.estimated, self.table, self.resolved.get("simulation"))
 
     @property
     def followed(self) -> bool:
         """Whether there is a followed part worth a figure."""
-        return len(self.told["t"]) > 1
+        return len(self.estimated["t"]) > 1
 
     @cached_property
     def settled_from(self) -> float | None:
@@ -154,7 +154,7 @@ def _ending(flight: Recorded) -> tuple[str, str | None]:
     # the end itself was recorded: the pilot, fed the same again, knows what it thought of it
     memory = pilot.begin(flight.begun_at)
     for row in flight.table:
-        seen, now = rows.seen_again(row)
+        seen, now = rows.observation_of(row)
         memory, _ = pilot.step(flight.plan_at(now), memory, seen, now)
     if pilot.completed(memory):
         return "completed", None

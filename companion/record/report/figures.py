@@ -121,15 +121,15 @@ def _motion(evidence: Evidence) -> Section:
 
 
 def _goes_negative(evidence: Evidence) -> bool:
-    return any(float(evidence.told[f"sent_{i}"].min()) < 0.0 for i in range(4))
+    return any(float(evidence.estimated[f"sent_{i}"].min()) < 0.0 for i in range(4))
 
 
 def _estimates(evidence: Evidence) -> Section:
-    told = evidence.told
-    slowest = float(np.nanmin(told["pace"])) if np.isfinite(told["pace"]).any() else 1.0
+    estimated = evidence.estimated
+    slowest = float(np.nanmin(estimated["pace"])) if np.isfinite(estimated["pace"]).any() else 1.0
     words = []
     if slowest < 0.995:
-        share = 100.0 * float(np.mean(told["pace"] < 0.995))
+        share = 100.0 * float(np.mean(estimated["pace"] < 0.995))
         words.append(
             f"For {worded(share)} % of the time the vehicle flew slower than the mission says, down to "
             f"{worded(100.0 * slowest)} % of its speed: there the path asked for more than its limits allow."
@@ -183,13 +183,13 @@ def _timing(evidence: Evidence) -> Section:
         pictures.append(_picture("gaps", lambda: timing.histogram(1e3 * gaps, "gap between setpoints", "ms"), caption))
     if len(latencies):
         p50, p99, top = (evidence.number("loop", "latency_us", key) for key in ("p50", "p99", "max"))
-        told = (
+        estimated = (
             f": {worded(p50 / 1e3)} ms in the middle, {worded(p99 / 1e3)} ms or less in 99 of 100, "
             f"{worded(top / 1e3)} ms at most"
             if p50 is not None and p99 is not None and top is not None
             else ""
         )
-        caption = f"Time from the arrival of a state to the return of its setpoint’s send{told}."
+        caption = f"Time from the arrival of a state to the return of its setpoint’s send{estimated}."
         pictures.append(
             _picture("latency", lambda: timing.histogram(1e3 * latencies, "state to setpoint", "ms"), caption)
         )

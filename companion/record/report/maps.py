@@ -58,8 +58,8 @@ def from_above(evidence: Evidence) -> Figure:
 
 def _flown(figure: Figure, axes: Axes, evidence: Evidence, flown: Array, drawn: Array) -> None:
     """The track coloured by speed, with where it began, what happened on it and where it ended."""
-    told = evidence.told
-    speed = np.sqrt(told["v_north"] ** 2 + told["v_east"] ** 2 + told["v_down"] ** 2)
+    estimated = evidence.estimated
+    speed = np.sqrt(estimated["v_north"] ** 2 + estimated["v_east"] ** 2 + estimated["v_down"] ** 2)
     chosen = along(flown)
     norm = Normalize(0.0, max(float(np.max(speed)), 0.1))
     colours = ramp_of_colours("viridis", 0.0, 0.9)
@@ -68,7 +68,7 @@ def _flown(figure: Figure, axes: Axes, evidence: Evidence, flown: Array, drawn: 
     axes.add_collection(LineCollection(pieces, colors=colours(levels), linewidths=2.6, zorder=3), autolim=False)
     axes.plot([], [], color=colours(0.75), linewidth=2.6, label=believed)
     colour_bar(figure, norm, colours, "speed, m/s", beside=axes)
-    begun = next((each for each in evidence.happenings if each.kind == "start"), None)
+    begun = next((each for each in evidence.flight_events if each.kind == "start"), None)
     word = "start" if begun is None else f"start, {begun.error_max:.1f} m off"
     marks = [Place(flown[0], word, "o", INK), *places(evidence, flown)]
     if float(np.linalg.norm((flown[-1] - flown[0])[:2])) > 0.04 * float(np.max(np.ptp(drawn, axis=0))):
@@ -110,15 +110,15 @@ def _room(drawn: Array, point: Array, side: tuple[float, float], reach: float, w
     run = np.linspace(0.0, 2.0 * wide, 7) if side[0] > 0.0 else np.linspace(0.0, -2.0 * wide, 7)
     along_word = run if side[0] != 0.0 else np.linspace(-wide, wide, 7)
     letters = near + reach * 0.5 * np.stack([along_word, np.zeros(7)], axis=1)
-    room = float(np.min(np.linalg.norm(drawn[:, None, :] - letters[None, :, :], axis=2)))
+    clearance = float(np.min(np.linalg.norm(drawn[:, None, :] - letters[None, :, :], axis=2)))
     outside = np.any((letters < np.min(drawn, axis=0) - reach) | (letters > np.max(drawn, axis=0) + reach))
-    return room - (reach if outside else 0.0)
+    return clearance - (reach if outside else 0.0)
 
 
 def _direction(axes: Axes, evidence: Evidence) -> None:
     """Arrowheads along the path in the direction of flight."""
     table, direction = evidence.plan.table, evidence.plan.direction
-    begin = float(evidence.told["s"][0]) if evidence.followed else 0.0
+    begin = float(evidence.estimated["s"][0]) if evidence.followed else 0.0
     for share in (0.3, 0.8):
         (north, east, _), (tn, te, _), _ = table.at(begin + direction * share * table.length)
         step = 1e-3 * table.length * direction
@@ -151,7 +151,7 @@ def in_space(evidence: Evidence) -> Figure:
     if before_and_after is not None:
         axes.plot(*before_and_after.T, color=FAINT, linewidth=0.8, zorder=3)
     if flown is not None:
-        error = 100.0 * evidence.told["path_error"]
+        error = 100.0 * evidence.estimated["path_error"]
         chosen = along(flown)
         norm, colours = _error_scale(error), ramp_of_colours("inferno_r", 0.22, 0.92)
         pieces, levels = runs(flown[chosen], error[chosen], norm)

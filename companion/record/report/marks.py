@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from companion.record.events import OWN, Happening
+from companion.record.events import OWN, FlightEvent
 from companion.record.report.evidence import Array, Evidence
 from companion.record.report.palette import AT_LIMIT, DONE_TO, FAINT, SLOWED, VERMILION
 
@@ -36,7 +36,7 @@ class Place(NamedTuple):
     colour: str
 
 
-def short(each: Happening) -> str:
+def short(each: FlightEvent) -> str:
     """Two or three words: ``held 3.0 s``."""
     word = WORDS.get(each.kind, each.kind.replace("_", " "))
     return f"{word} {each.end - each.begin:.1f} s" if each.end > each.begin and each.kind not in OWN else word
@@ -46,7 +46,7 @@ def shade(panels: list[Axes], evidence: Evidence, begin: float, end: float) -> N
     """Shade in every panel when something happened between two times of following, and name it in the first."""
     least = SPAN_MIN * (end - begin)
     named = -np.inf
-    for each in evidence.happenings:
+    for each in evidence.flight_events:
         if each.end < begin or each.begin > end or each.kind == "start":
             continue
         colour = {"at_limit": AT_LIMIT, "slowed": SLOWED}.get(each.kind, DONE_TO)
@@ -71,7 +71,7 @@ def shade(panels: list[Axes], evidence: Evidence, begin: float, end: float) -> N
 
 def legend_words(evidence: Evidence) -> str:
     """What the shades of the time plots mean, for a caption; empty where there are none."""
-    kinds = {each.kind for each in evidence.happenings if each.kind != "start"}
+    kinds = {each.kind for each in evidence.flight_events if each.kind != "start"}
     parts = [
         *(["yellow, what was done to the vehicle"] if kinds - set(OWN) else []),
         *(["red, at a limit of the vehicle"] if "at_limit" in kinds else []),
@@ -82,9 +82,9 @@ def legend_words(evidence: Evidence) -> str:
 
 def places(evidence: Evidence, flown: Array) -> list[Place]:
     """Where it happened, on the track."""
-    t = evidence.told["t"]
+    t = evidence.estimated["t"]
     marked: list[Place] = []
-    for each in evidence.happenings:
+    for each in evidence.flight_events:
         if each.kind in (*OWN, "start") or len(marked) >= PLACES_MAX:
             continue
         point = np.array([np.interp(each.begin, t, flown[:, i]) for i in range(3)])
@@ -95,11 +95,11 @@ def places(evidence: Evidence, flown: Array) -> list[Place]:
 def timetable(evidence: Evidence) -> tuple[Array, Place] | None:
     """Where a reference on a timetable would have gone while the vehicle was first held: its way along the path, and
     where it would be when the vehicle was let go. None where it was not held."""
-    held = [each for each in evidence.happenings if each.kind in ("hold", "stood") and each.ahead > 0.0]
+    held = [each for each in evidence.flight_events if each.kind in ("hold", "stood") and each.ahead > 0.0]
     if not held:
         return None
-    plan, told = evidence.plan, evidence.told
-    s = float(told["s"][int(np.argmin(np.abs(told["t"] - held[0].begin)))])
+    plan, estimated = evidence.plan, evidence.estimated
+    s = float(estimated["s"][int(np.argmin(np.abs(estimated["t"] - held[0].begin)))])
     way = [plan.table.at(s + plan.direction * share * held[0].ahead)[0] for share in np.linspace(0.0, 1.0, 60)]
     points = np.array([(east, north, -down) for north, east, down in way])
     return points, Place(points[-1], f"a timetable: {held[0].ahead:.1f} m ahead", "o", VERMILION)

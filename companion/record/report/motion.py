@@ -28,17 +28,17 @@ class Window(NamedTuple):
 
 def whole(evidence: Evidence) -> Window:
     """All of it."""
-    return Window(0.0, float(evidence.told["t"][-1]))
+    return Window(0.0, float(evidence.estimated["t"][-1]))
 
 
 def last_lap(evidence: Evidence) -> tuple[Window, bool] | None:
     """The last lap of the settled part, or all of it where it is shorter (then False); None where nothing settled."""
-    settled, told = evidence.settled_from, evidence.told
-    if settled is None or told["t"][-1] - settled < 0.5:
+    settled, estimated = evidence.settled_from, evidence.estimated
+    if settled is None or estimated["t"][-1] - settled < 0.5:
         return None
-    end, way = float(told["t"][-1]), told["travelled"]
+    end, way = float(estimated["t"][-1]), estimated["travelled"]
     before = np.flatnonzero(way <= way[-1] - evidence.plan.table.length)
-    begin = float(told["t"][before[-1]]) if len(before) else -1.0
+    begin = float(estimated["t"][before[-1]]) if len(before) else -1.0
     if begin >= settled:
         return Window(begin, end), True
     return Window(settled, end), False
@@ -50,14 +50,14 @@ def motion(evidence: Evidence, window: Window) -> Figure:
     heights = [1.1, 0.8, 1.2] if motors else [1.0, 0.8, 0.62, 0.62, 0.62]
     figure, panels = stacked(heights, 5.6 if motors else 6.6)
     shade(panels, evidence, window.begin, window.end)
-    told = _within(evidence.told, window)
+    estimated = _within(evidence.estimated, window)
     true = None if evidence.true is None else _within(evidence.true, window)
-    _attitude(panels[0], evidence, told)
-    _thrust(panels[1], evidence, told, true)
+    _attitude(panels[0], evidence, estimated)
+    _thrust(panels[1], evidence, estimated, true)
     if motors:
-        _motors(panels[2], evidence, told)
+        _motors(panels[2], evidence, estimated)
     else:
-        _rates(panels[2:], evidence, told)
+        _rates(panels[2:], evidence, estimated)
     along_x(panels[-1], "time since following began, s", window.begin, window.end)
     return figure
 
@@ -67,41 +67,41 @@ def _within(series: Series, window: Window) -> Series:
     return {name: values[rows] for name, values in series.items()}
 
 
-def _attitude(panel: Axes, evidence: Evidence, told: Series) -> None:
-    roll, pitch = np.degrees(told["roll"]), np.degrees(told["pitch"])
+def _attitude(panel: Axes, evidence: Evidence, estimated: Series) -> None:
+    roll, pitch = np.degrees(estimated["roll"]), np.degrees(estimated["pitch"])
     shown = [roll, pitch]
     if evidence.plan.level is OutputLevel.ATTITUDE:
-        w, x, y, z = (told[f"sent_{i}"] for i in range(4))
+        w, x, y, z = (estimated[f"sent_{i}"] for i in range(4))
         asked = np.degrees(np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)))
         asked_pitch = np.degrees(np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0)))
-        _curve(panel, told["t"], asked, INK, "setpoint", 0.8, DASHED)
-        _curve(panel, told["t"], asked_pitch, INK, None, 0.8, DASHED)
+        _curve(panel, estimated["t"], asked, INK, "setpoint", 0.8, DASHED)
+        _curve(panel, estimated["t"], asked_pitch, INK, None, 0.8, DASHED)
         shown += [asked, asked_pitch]
-    _curve(panel, told["t"], roll, BLUE, "roll φ")
-    _curve(panel, told["t"], pitch, VERMILION, "pitch θ")
+    _curve(panel, estimated["t"], roll, BLUE, "roll φ")
+    _curve(panel, estimated["t"], pitch, VERMILION, "pitch θ")
     named(panel, "Roll and pitch, deg")
     spanned(panel, *_ends(shown), 1.0)
     legend(panel)
 
 
-def _thrust(panel: Axes, evidence: Evidence, told: Series, true: Series | None) -> None:
+def _thrust(panel: Axes, evidence: Evidence, estimated: Series, true: Series | None) -> None:
     weight = evidence.plan.vehicle.weight
-    shown = [told["thrust"], np.array([weight])]
+    shown = [estimated["thrust"], np.array([weight])]
     if true is not None:
         _curve(panel, true["t"], true["thrust"], TRUE, "true", 3.4)
         shown.append(true["thrust"])
     panel.axhline(weight, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)), label="weight")
-    _curve(panel, told["t"], told["thrust"], BLUE, "sent")
+    _curve(panel, estimated["t"], estimated["thrust"], BLUE, "sent")
     named(panel, "Thrust, N")
     spanned(panel, *_ends(shown), 0.02 * weight)
     legend(panel)
 
 
-def _motors(panel: Axes, evidence: Evidence, told: Series) -> None:
+def _motors(panel: Axes, evidence: Evidence, estimated: Series) -> None:
     rotors = evidence.plan.vehicle.rotors
-    forces = [told[f"sent_{i}"] * rotor.thrust_max for i, rotor in enumerate(rotors)]
+    forces = [estimated[f"sent_{i}"] * rotor.thrust_max for i, rotor in enumerate(rotors)]
     for i, force in enumerate(forces):
-        _curve(panel, told["t"], force, LINES[i % len(LINES)], f"motor {i + 1}" if i == 0 else f"{i + 1}", 1.1)
+        _curve(panel, estimated["t"], force, LINES[i % len(LINES)], f"motor {i + 1}" if i == 0 else f"{i + 1}", 1.1)
     low, high = _ends(forces)
     spanned(panel, low, high, 0.02 * max(rotor.thrust_max for rotor in rotors))
     named(panel, "Motor commands, N")
@@ -115,15 +115,15 @@ def _motors(panel: Axes, evidence: Evidence, told: Series) -> None:
         panel.axhline(ceiling, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)))
 
 
-def _rates(panels: list[Axes], evidence: Evidence, told: Series) -> None:
+def _rates(panels: list[Axes], evidence: Evidence, estimated: Series) -> None:
     sent = evidence.plan.level is OutputLevel.RATES
     for i, (panel, axis) in enumerate(zip(panels, "pqr", strict=True)):
-        measured = np.degrees(told[axis])
+        measured = np.degrees(estimated[axis])
         shown = [measured]
-        _curve(panel, told["t"], measured, LINES[i], "measured")
+        _curve(panel, estimated["t"], measured, LINES[i], "measured")
         if sent:
-            asked = np.degrees(told[f"sent_{i}"])
-            _curve(panel, told["t"], asked, INK, "setpoint", 0.8, DASHED)
+            asked = np.degrees(estimated[f"sent_{i}"])
+            _curve(panel, estimated["t"], asked, INK, "setpoint", 0.8, DASHED)
             shown.append(asked)
         named(panel, f"Body rate {axis}, deg/s")
         spanned(panel, *_ends(shown), 2.0)

@@ -53,7 +53,7 @@ def _world(evidence: Evidence) -> list[str]:
 
 def happened(evidence: Evidence) -> list[str]:
     """What happened, a sentence each, and where the largest path error comes from."""
-    done = [each for each in evidence.happenings if each.kind not in OWN]
+    done = [each for each in evidence.flight_events if each.kind not in OWN]
     lines = [f"At {in_words(each)}." for each in done[:HAPPENED_MAX]]
     if len(done) > HAPPENED_MAX:
         lines.append(f"{len(done) - HAPPENED_MAX} more events are in summary.json.")
@@ -64,20 +64,20 @@ def _largest(evidence: Evidence) -> list[str]:
     """Where the largest path error comes from, as far as the record knows."""
     if not evidence.followed:
         return []
-    told = evidence.told
-    index = int(np.argmax(told["path_error"]))
-    at, size = float(told["t"][index]), float(told["path_error"][index])
+    estimated = evidence.estimated
+    index = int(np.argmax(estimated["path_error"]))
+    at, size = float(estimated["t"][index]), float(estimated["path_error"][index])
     if size < LARGE:
         return []
     during = [
-        each for each in evidence.happenings if each.begin <= at <= each.end + (each.back_after or RECOVERY) + 1e-9
+        each for each in evidence.flight_events if each.begin <= at <= each.end + (each.back_after or RECOVERY) + 1e-9
     ]
     if during:
         cause = during[0].what
-    elif told["since"][index] < AT_FIRST:
+    elif estimated["since"][index] < AT_FIRST:
         cause = "the vehicle was that far from the path when following began"
     else:
-        push = [told.get(f"push_{axis}", np.full(1, np.nan))[index % max(1, len(told["t"]))] for axis in NED]
+        push = [estimated.get(f"push_{axis}", np.full(1, np.nan))[index % max(1, len(estimated["t"]))] for axis in NED]
         strength = float(np.linalg.norm(push))
         cause = (
             f"no event; steering then reckoned with a disturbance of {strength:.1f} m/s²"
@@ -116,8 +116,8 @@ def outcome(evidence: Evidence) -> tuple[bool, str]:
 
 def notes(evidence: Evidence) -> list[str]:
     """What must not be overlooked: the summary's own notes, and what the folder lacks."""
-    told = evidence.figures.get("notes")
-    found = [str(note) for note in told] if isinstance(told, list) else []
+    estimated = evidence.figures.get("notes")
+    found = [str(note) for note in estimated] if isinstance(estimated, list) else []
     found += evidence.cuts
     if evidence.remade:
         found.append(

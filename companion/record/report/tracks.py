@@ -29,15 +29,17 @@ def road(evidence: Evidence) -> Array:
 
 def tracks(evidence: Evidence) -> tuple[Array | None, Array | None]:
     """The track of every followed tick, and the rest of the flight (thinned; NaN where it was following)."""
-    told = evidence.told
-    flown = np.stack([told["east"], told["north"], -told["down"]], axis=1) if evidence.followed else None
+    estimated = evidence.estimated
+    flown = np.stack([estimated["east"], estimated["north"], -estimated["down"]], axis=1) if evidence.followed else None
     table = evidence.table
     seen = table[table["fresh"] == 1]
     points = np.stack([seen["east"], seen["north"], -seen["down"]], axis=1)
     if flown is None:
         return None, points[along(points)] if len(points) else None
     following = (
-        np.isfinite(seen["alpha"]) & (seen["t_boot"] >= told["t_boot"][0]) & (seen["t_boot"] <= told["t_boot"][-1])
+        np.isfinite(seen["alpha"])
+        & (seen["t_boot"] >= estimated["t_boot"][0])
+        & (seen["t_boot"] <= estimated["t_boot"][-1])
     )
     parts = [points[: int(np.argmax(following))], points[len(following) - int(np.argmax(following[::-1])) :]]
     gap = np.full((1, 3), np.nan)
@@ -51,7 +53,7 @@ def true_track(evidence: Evidence, flown: Array | None) -> Array | None:
     """The true track, where it can be told from the seen one with the eye."""
     if evidence.truth is None or flown is None or len(evidence.truth) < 2:
         return None
-    stamps, truth = evidence.told["t_boot"], evidence.truth
+    stamps, truth = evidence.estimated["t_boot"], evidence.truth
     rows = truth[(truth["t_boot"] >= stamps[0]) & (truth["t_boot"] <= stamps[-1])]
     if len(rows) < 2:
         return None

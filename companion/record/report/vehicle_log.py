@@ -25,20 +25,20 @@ Within = tuple[Array, Series]
 def estimate(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
     """PX4's estimate beside the states that reached us: place apart, roll and pitch over one another."""
     figure, (apart, angles) = stacked([1.0, 1.2], 3.8)
-    told = evidence.told
+    estimated = evidence.estimated
     t, theirs = _within(evidence, topics.get("vehicle_local_position"))
     lines = []
     for name, colour in zip(("north", "east", "down"), LINES, strict=False):
         if name in theirs:
-            lines.append(100.0 * (theirs[name] - np.interp(t, told["t"], told[name])))
+            lines.append(100.0 * (theirs[name] - np.interp(t, estimated["t"], estimated[name])))
             _line(apart, t, lines[-1], colour, name)
     named(apart, "Place in PX4's log less the one received, cm")
     legend(apart)
     spanned(apart, *_ends(lines), 2.0)
     t, theirs = _within(evidence, topics.get("vehicle_attitude"))
-    lines = [np.degrees(told[name]) for name in ("roll", "pitch")]
+    lines = [np.degrees(estimated[name]) for name in ("roll", "pitch")]
     for values, name, colour in zip(lines, ("roll", "pitch"), (BLUE, VERMILION), strict=True):
-        _line(angles, told["t"], values, colour, name)
+        _line(angles, estimated["t"], values, colour, name)
     if len(theirs) == 4:
         for values, label in zip(
             roll_pitch(*(theirs[f"q_{axis}"] for axis in "wxyz")), ("PX4's log", None), strict=True
@@ -55,7 +55,7 @@ def estimate(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
 def setpoints(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
     """Body rates and thrust: what we sent, what PX4 flew by, and the rates that came of it."""
     figure, panels = stacked([0.7, 0.7, 0.7, 0.8], 5.4)
-    told = evidence.told
+    estimated = evidence.estimated
     t, theirs = _within(evidence, topics.get("vehicle_rates_setpoint"))
     measured_t, measured = _within(evidence, topics.get(BODY_RATES))
     sent_rates = evidence.plan.level is OutputLevel.RATES
@@ -65,8 +65,8 @@ def setpoints(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
             lines.append(np.degrees(measured[axis]))
             _line(panel, measured_t, lines[-1], TRUE, "measured, PX4's log", width=2.4)
         if sent_rates:
-            lines.append(np.degrees(told[f"sent_{number}"]))
-            _line(panel, told["t"], lines[-1], BLUE, "sent by us")
+            lines.append(np.degrees(estimated[f"sent_{number}"]))
+            _line(panel, estimated["t"], lines[-1], BLUE, "sent by us")
         if axis in theirs:
             lines.append(np.degrees(theirs[axis]))
             _line(panel, t, lines[-1], INK, "setpoint, PX4's log", THEIRS)
@@ -75,8 +75,8 @@ def setpoints(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
     lines = []
     column = {OutputLevel.RATES: "sent_3", OutputLevel.ATTITUDE: "sent_4"}.get(evidence.plan.level)
     if column is not None:
-        lines.append(told[column])
-        _line(panels[3], told["t"], lines[-1], BLUE, "sent by us")
+        lines.append(estimated[column])
+        _line(panels[3], estimated["t"], lines[-1], BLUE, "sent by us")
     if "thrust_z" in theirs:
         lines.append(-theirs["thrust_z"])
         _line(panels[3], t, lines[-1], INK, "setpoint, PX4's log", THEIRS)
@@ -90,13 +90,13 @@ def setpoints(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
 def motors(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
     """The motors' commands; where we sent them, ours under PX4's."""
     figure, (panel,) = stacked([1.0], 2.4)
-    told = evidence.told
+    estimated = evidence.estimated
     t, theirs = _within(evidence, topics.get("actuator_motors"))
     lines = []
     for number, colour in enumerate(LINES):
         if evidence.plan.level is OutputLevel.MOTORS:
-            lines.append(told[f"sent_{number}"])
-            _line(panel, told["t"], lines[-1], TRUE, "sent by us" if number == 0 else None, width=2.4)
+            lines.append(estimated[f"sent_{number}"])
+            _line(panel, estimated["t"], lines[-1], TRUE, "sent by us" if number == 0 else None, width=2.4)
         if f"motor_{number}" in theirs:
             lines.append(theirs[f"motor_{number}"])
             _line(panel, t, lines[-1], colour, f"motor {number + 1}")
@@ -111,7 +111,7 @@ def _within(evidence: Evidence, topic: LogSeries | None) -> Within:
     """A topic while the path was followed, over the time of following."""
     if topic is None:
         return np.zeros(0), {}
-    stamps, t = evidence.told["t_boot"], evidence.told["t"]
+    stamps, t = evidence.estimated["t_boot"], evidence.estimated["t"]
     rows = (topic.t >= stamps[0]) & (topic.t <= stamps[-1])
     columns = {name: values[rows] for name, values in topic.columns.items()}
     return np.interp(topic.t[rows], stamps, t), columns
@@ -126,7 +126,7 @@ def _line(
 
 
 def _along(panel: Axes, evidence: Evidence) -> None:
-    along_x(panel, TIME, 0.0, max(float(evidence.told["t"][-1]), 1e-3))
+    along_x(panel, TIME, 0.0, max(float(evidence.estimated["t"][-1]), 1e-3))
 
 
 def _ends(curves: list[Array]) -> tuple[float, float]:

@@ -19,7 +19,7 @@ LAND: Place = (Phase.LAND, 1.0, Begin.ON_THE_PATH, Finish.LAND)
 RETURN: Place = (Phase.RETURN, 1.0, Begin.ON_THE_PATH, Finish.RETURN)
 
 
-def told(order: Order, place: Place, *events: Event, cut: str = "", **others: object) -> Case:
+def ordered(order: Order, place: Place, *events: Event, cut: str = "", **others: object) -> Case:
     """The operator's order in a phase, ``events`` beside it."""
     phase, t, begin, finish = place
     name = f"the operator's {order.value} in {phase.value}{cut}"
@@ -28,15 +28,15 @@ def told(order: Order, place: Place, *events: Event, cut: str = "", **others: ob
 
 
 WHOLE_LINK = (
-    told(Order.LAND, TAKE_OFF),
-    told(Order.RETURN, TAKE_OFF),
-    *(told(order, place) for place in (TAKE_OVER, SETTLE, JOIN, FOLLOW) for order in (Order.LAND, Order.RETURN)),
-    *(told(Order.HOLD, place) for place in (SETTLE, JOIN, FOLLOW)),
-    told(Order.LAND, HAND_BACK, or_end=(End.FLOWN,)),
-    told(Order.HOLD, LAND),
-    told(Order.RETURN, LAND),
-    told(Order.HOLD, RETURN),
-    told(Order.LAND, RETURN),
+    ordered(Order.LAND, TAKE_OFF),
+    ordered(Order.RETURN, TAKE_OFF),
+    *(ordered(order, place) for place in (TAKE_OVER, SETTLE, JOIN, FOLLOW) for order in (Order.LAND, Order.RETURN)),
+    *(ordered(Order.HOLD, place) for place in (SETTLE, JOIN, FOLLOW)),
+    ordered(Order.LAND, HAND_BACK, or_end=(End.FLOWN,)),
+    ordered(Order.HOLD, LAND),
+    ordered(Order.RETURN, LAND),
+    ordered(Order.HOLD, RETURN),
+    ordered(Order.LAND, RETURN),
     Case("the operator's position in follow, sticks in hand", End.OPERATORS, phase=Phase.FOLLOW,
          events=(Sticks(When(0.0)), at(1.0, Order.POSITION))),
     Case("the operator's land in rest", End.OPERATORS, phase=Phase.REST, mission="line", duration=60.0,
@@ -55,11 +55,11 @@ WHOLE_LINK = (
 
 HALF_A_LINK = (
     # HOLD may be asked for until 1 s after the last status; whoever lands it before is taken back once, to Hold
-    *(told(order, (phase, t + 1.1, begin, finish), down(t), cut=", the downlink cut 1.1 s before", watched_for=4.0)
+    *(ordered(order, (phase, t + 1.1, begin, finish), down(t), cut=", the downlink cut 1.1 s before", watched_for=4.0)
       for order, (phase, t, begin, finish) in (
           (Order.LAND, TAKE_OFF), (Order.LAND, TAKE_OVER), (Order.LAND, JOIN), (Order.LAND, FOLLOW),
           (Order.RETURN, FOLLOW), (Order.LAND, HAND_BACK))),
-    told(Order.HOLD, (Phase.LAND, 1.5, *LAND[2:]), down(1.0), cut=", the downlink cut"),
+    ordered(Order.HOLD, (Phase.LAND, 1.5, *LAND[2:]), down(1.0), cut=", the downlink cut"),
     Case("the operator lands in abort, the downlink cut", End.HELD, or_end=(End.OPERATORS,), phase=Phase.FOLLOW,
          watched_for=4.0, events=(down(1.0), at(1.35, Order.LAND))),
     Case("the operator disarms 60 ms after the arming, the downlink cut", End.OPERATORS, phase=Phase.ARM,

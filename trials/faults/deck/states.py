@@ -32,14 +32,14 @@ def one(event: type[NotANumber] | type[OffsetState], **values: object) -> Event:
 
 
 STAMPS = (
-    *(Case(f"stamps {told}{', on the ground' if ground else ''}", End.REFUSED, "stamp", begin=begin, levels=BEFORE_FLIGHT,
+    *(Case(f"stamps {words}{', on the ground' if ground else ''}", End.REFUSED, "stamp", begin=begin, levels=BEFORE_FLIGHT,
            events=(WrongStamps(When(0.0), stamps),))
-      for stamps, told in ((Stamps.ZERO, "always 0"), (Stamps.MILLISECONDS, "in ms"), (Stamps.HUGE, "near 2^64"))
+      for stamps, words in ((Stamps.ZERO, "always 0"), (Stamps.MILLISECONDS, "in ms"), (Stamps.HUGE, "near 2^64"))
       for begin in (Begin.ON_THE_PATH, Begin.ON_THE_GROUND)
       for ground in (begin is Begin.ON_THE_GROUND,)),
-    *(Case(f"stamps {told} from the middle of the path on", End.HELD, phase=Phase.FOLLOW, within=0.5,
+    *(Case(f"stamps {words} from the middle of the path on", End.HELD, phase=Phase.FOLLOW, within=0.5,
            events=(WrongStamps(When(2.0), stamps),))
-      for stamps, told in (
+      for stamps, words in (
           (Stamps.ZERO, "0"), (Stamps.MILLISECONDS, "in ms"), (Stamps.HUGE, "near 2^64"), (Stamps.FROZEN, "frozen"))),
     Case("one stamp near 2^64", End.FLOWN, phase=Phase.FOLLOW, events=(WrongStamps(When(2.0, 2.0 + STEP), Stamps.HUGE),)),
     Case("the clock jumps 3 s ahead", End.HELD, "clock", phase=Phase.FOLLOW, within=0.5,
@@ -51,11 +51,11 @@ STAMPS = (
 )  # fmt: skip
 
 NUMBERS = (
-    *(Case(f"the {part.value} is {told} for good", End.HELD, phase=Phase.FOLLOW, within=0.5,
+    *(Case(f"the {part.value} is {words} for good", End.HELD, phase=Phase.FOLLOW, within=0.5,
            events=(NotANumber(When(2.0), part, value),))
-      for part in (Part.POSITION, Part.ATTITUDE) for value, told in ((math.nan, "NaN"), (HUGE, "3e38"))),
-    *(Case(f"one ODOMETRY {told}", End.FLOWN, phase=Phase.FOLLOW, events=(one(NotANumber, value=value),))
-      for value, told in ((math.nan, "of NaN"), (HUGE, "of 3e38 m"), (math.inf, "that is infinite"))),
+      for part in (Part.POSITION, Part.ATTITUDE) for value, words in ((math.nan, "NaN"), (HUGE, "3e38"))),
+    *(Case(f"one ODOMETRY {words}", End.FLOWN, phase=Phase.FOLLOW, events=(one(NotANumber, value=value),))
+      for value, words in ((math.nan, "of NaN"), (HUGE, "of 3e38 m"), (math.inf, "that is infinite"))),
     Case("one ODOMETRY of 3e38 m while settling", End.FLOWN, phase=Phase.SETTLE,
          events=(NotANumber(When(0.1, 0.1 + STEP), value=HUGE),)),
     Case("ODOMETRY in LOCAL_ENU", End.REFUSED, "ODOMETRY.*frame|frame.*ODOMETRY", levels=BEFORE_FLIGHT,

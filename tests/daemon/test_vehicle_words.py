@@ -6,7 +6,7 @@ import pytest
 
 from companion import pilot
 from companion.daemon.conductor import Conductor
-from companion.daemon.whereabouts import whereabouts
+from companion.daemon.vehicle_words import describe_vehicle
 from companion.flight.phases import Phase
 from companion.vehicle import Fact, Landed, Mode, VehicleStatus
 from tests.support.flights import Flown, flight, once
@@ -25,13 +25,13 @@ def stopped() -> Flown:
 
 def test_in_the_air(stopped: Flown) -> None:
     now = stopped.between.now
-    told = whereabouts(stopped.conductor, now)
-    assert told is not None
-    assert told.startswith("the vehicle is in Hold, armed, 10.0 m above home and ")
-    assert told.endswith(
+    words = describe_vehicle(stopped.conductor, now)
+    assert words is not None
+    assert words.startswith("the vehicle is in Hold, armed, 10.0 m above home and ")
+    assert words.endswith(
         "m from it; it stays there until somebody takes it: by remote control or from a ground station"
     )
-    late = whereabouts(stopped.conductor, now + 4.0)
+    late = describe_vehicle(stopped.conductor, now + 4.0)
     assert late is not None and ", last heard 4 s ago; " in late
 
 
@@ -47,14 +47,14 @@ def test_in_the_air(stopped: Flown) -> None:
 )
 def test_each_place_has_its_advice(stopped: Flown, status: VehicleStatus, place: str, do: str) -> None:
     stopped.conductor.telemetry.status = status
-    told = whereabouts(stopped.conductor, stopped.between.now)
-    assert told is not None
-    assert place in told and do in told.split("; ")[1]
+    words = describe_vehicle(stopped.conductor, stopped.between.now)
+    assert words is not None
+    assert place in words and do in words.split("; ")[1]
 
 
 def test_nobody_was_heard(stopped: Flown, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stopped.conductor.link, "identity", None)
-    assert whereabouts(stopped.conductor, 0.0) is None
+    assert describe_vehicle(stopped.conductor, 0.0) is None
 
 
 def test_a_stop_that_a_landing_answers_is_not_silence(stopped: Flown) -> None:

@@ -13,7 +13,7 @@ FLIES_ITSELF = frozenset({Mode.LAND, Mode.RETURN, Mode.TAKEOFF, Mode.MISSION})
 """The modes in which PX4 goes somewhere by itself."""
 
 
-def whereabouts(conductor: Conductor, now: float) -> str | None:
+def describe_vehicle(conductor: Conductor, now: float) -> str | None:
     """Both in one sentence without its full stop; None where no vehicle was heard. ``now``: s, as at the doors."""
     if conductor.link.identity is None:
         return None
