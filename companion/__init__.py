@@ -8,7 +8,7 @@ The natural way of the data, one tick:
                                                        │
        estimation: where it acts ─► steering ◄── law: outputs, feedback, flatness
                                                        │              flight: whose command counts
-                            allocation: M^-1, limits, what was lost ─► Setpoint
+                            limits, encoding (motors: M^-1 instead) ─► Setpoint
      bytes ◄─ mavlink.codec ◄─ mavlink.setpoints ◄──────┘
 
     pilot.step(plan, memory, observation, now) -> (memory, outcome)   pure, and replayed bit for bit
@@ -18,9 +18,10 @@ From an ODOMETRY to a SET_ATTITUDE_TARGET, file by file:
     daemon/loop        the datagram is received; conductor.receive
     daemon/conductor   take_in: mavlink/codec, mavlink/telemetry -> a VehicleState; then one tick
     pilot/tick         compute_setpoint: the state looked at (pilot/intake), the aim chosen (pilot/targets)
-    steering/rates     steer: estimate, predict, govern speed, law, yaw compensation, limits, encode
-    pilot/tick         supervise: guards, safety rows and phases say whether that setpoint counts
+    steering/rates     steer: estimate, predict, govern speed, law, yaw compensation, limits, encode (plan: which level)
     daemon/conductor   queue: mavlink/setpoints -> values, mavlink/codec -> bytes; daemon/loop sends them
+    pilot/tick         supervise, after the send: guards, safety rows, phases. Where compute_setpoint gave none (not
+                       calmly on the path), it runs before, and computes the setpoint or withholds it
 
 The field's terms, the paper's letters and PX4's names side by side: docs/glossary.md.
 

@@ -189,13 +189,13 @@ class Conductor:
         return min(*(part.next_timer() for part in waiting), self._wake_at)
 
     def datagrams(self) -> list[bytes]:
-        """What is to be sent now, the setpoint first."""
+        """What is to be sent now, as it was queued. What ``supervise`` queues comes after ``sent``."""
         outgoing, self.link.outgoing = self.link.outgoing, []
         self._frames += outgoing
         return outgoing
 
     def sent(self, latency: float = math.nan) -> None:
-        """The datagrams are on their way, ``latency`` s after what caused them arrived. The rest of the tick's work."""
+        """The datagrams are on their way, ``latency`` s after what caused them arrived. The rest of the tick."""
         if self._recorder is not None:
             for frame in self._frames:
                 self._recorder.frame(self._now, frame)
@@ -250,7 +250,7 @@ class Conductor:
             self._queue(self.memory, early.steered.setpoint)
 
     def _conclude(self) -> None:
-        """The rest of a tick, where there is one left."""
+        """The rest of a tick, where one is left: after the send if its setpoint was early, else at once."""
         if self._unfinished is None or self.plan is None or self.memory is None:
             return
         (observation, early, now, before), self._unfinished = self._unfinished, None

@@ -215,11 +215,11 @@ class _Flight:
         to = self._conductor.link.peers.to
         if self._xrce is not None:
             self._xrce.flush(clock())
-        for datagram in self._flown.datagrams():
+        for datagram in self._flown.datagrams():  # the setpoint
             if to is not None:
                 self._port.send(datagram, to)
-        self._flown.sent(clock() - arrived)
-        for datagram in self._flown.datagrams():
+        self._flown.sent(clock() - arrived)  # the rest of the tick, pilot.supervise, and the record
+        for datagram in self._flown.datagrams():  # what that queued
             if to is not None:
                 self._port.send(datagram, to)
         if self._xrce is not None:  # a setpoint that came with the rest of the tick

@@ -1,7 +1,7 @@
 """The estimate block of a vehicle that takes motor commands: its motion, and how its body turns under them.
 
-advance(estimate, state)   model of motors and body, gyro observer, prediction of position and velocity
-learn_motion               see ``motion_estimate``
+advance_motor_estimate   model of motors and body, gyro observer, prediction of position and velocity
+learn_motion             see ``motion_estimate``
 """
 
 from __future__ import annotations

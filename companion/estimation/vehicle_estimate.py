@@ -1,7 +1,7 @@
 """The estimate block of a vehicle that flies its own rate loop: its motion, and what its rate loop makes of commands.
 
-    advance(estimate, state)   model of the rate loop, gyro observer, prediction of position and velocity
-    learn(estimate)            Kalman filter and identification of the rate loop with that same state
+    advance_estimate   model of the rate loop, gyro observer, prediction of position and velocity
+    learn_pending      Kalman filter and identification of the rate loop with that same state
 
 When which is called: see ``motion_estimate``.
 """
@@ -50,7 +50,8 @@ class VehicleEstimate(NamedTuple):
     """What is known of the vehicle at the stamp of its last state.
 
     ``motion``: position, velocity, forces. ``rate_loop_state``: of the model. ``identification``: of the rate loop;
-    ``yaw_loop``: of the yaw loop; ``rate_loop``: the figures that are used, on a grid of a millisecond, yaw of ten.
+    ``yaw_loop``: of the yaw loop; ``rate_loop``: the figures that are used, rounded to a millisecond, yaw to ten, so
+    that the transitions that were worked out for them are found again.
     """
 
     motion: MotionEstimate
@@ -98,7 +99,8 @@ def advance_estimate(
 
 
 def learn_pending(estimate: VehicleEstimate, commands: Commands) -> VehicleEstimate:
-    """``estimate`` with the filter and the identification updated. ``commands``: those of the last PERIOD at least."""
+    """``estimate`` with the filter and the identification updated. ``commands``: those of the last
+    ``rate_loop_identification.PERIOD`` at least."""
     measurement, state = estimate.motion.pending, estimate.motion.state
     if measurement is None:
         return estimate

@@ -23,7 +23,8 @@ Equation -> function -> test (in tests/law, tests/paths, tests/flights, ...)
     Def. 3.1               paths.implicit, paths.tracing              test_tracing
     Def. 3.2, Eq. 3        implicit.outputs                           test_exact_derivatives
     Def. 3.3               implicit.outputs, feedback.wanted_heading_acceleration    test_exact_derivatives
-    Eq. 4                  steering.motors.Extension, thrust_range     test_blocks, test_rates
+    Eq. 4                  thrust_range, steering.motors.Extension,   test_blocks, test_rates
+                           steering.limits.limit_thrust (rates)
     Lemma 4.1, det D       lie.linearise                              test_exact_derivatives.test_determinant_of_D
     Eq. 6                  reference.reference                        test_closed_loop.test_invariance
     Eq. 7                  implicit.outputs (mu)                      test_exact_derivatives
@@ -71,8 +72,8 @@ What is wrong in the paper, and what is used here
         V = (-1, 0, 0) at (0, 10) flies backwards, mu . V = -1.
 
 Where we depart from it, because a machine has limits: errors are saturated (feedback.Bounds), zeta and zeta_dot are
-bounded (thrust_range), linear drag enters A, J and S (motion), and the law is evaluated where its command acts: half
-a step and the rotors' lag ahead (steering.motors). A mission may have h4 on the twist instead of psi (frames.Heading,
-flatness.HeadingRate): the relative degree is the same, and det D has 1 in the place of cos(phi)/cos(theta), so that phi
-and theta of +-90 deg are singular no more.
+bounded (thrust_range), linear drag enters A, J and S (motion), and the law is evaluated where its command acts: the
+dead time, half a step and the lag of rotors or rate loop ahead (steering.timing). A mission may have h4 on the twist
+instead of psi (frames.Heading, flatness.HeadingRate): the relative degree is the same, and det D has 1 in the place of
+cos(phi)/cos(theta), so that phi and theta of +-90 deg are singular no more.
 """

@@ -1,6 +1,7 @@
 """The law as it flies: factored, bounded, recorded once for a mission and a vehicle, printed as straight-line Python.
 
     outputs -> wanted snap or jerk (feedback) -> thrust and torques, or thrust and body rates (flatness)
+    ``step``: that, recorded (recording.finished) and printed (calculus.straight)
 
 Without bounds, drag and wrap it equals the paper's u = D^-1 (-b + v) to rounding; the tests hold it to that.
 """

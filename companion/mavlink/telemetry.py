@@ -130,7 +130,7 @@ class Telemetry:
 
     def _odometry(self, frame: Frame) -> VehicleState | None:
         (time_usec, x, y, z, qw, qx, qy, qz, vx, vy, vz, p, q, r) = frame.values[:14]
-        frame_id, child_frame_id, resets = frame.values[-5:-2]
+        frame_id, child_frame_id, resets = frame.values[-5:-2]  # before estimator_type and quality
         if frame_id != MAV_FRAME_LOCAL_NED:
             self._refuse(f"ODOMETRY in frame {frame_id}, expected LOCAL_NED (1)")
             return None

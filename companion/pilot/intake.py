@@ -123,8 +123,8 @@ def compare_states(watch: StateWatch, new: VehicleState) -> StateWatch:
         return watch._replace(checked=new, sums=NO_SUMS, place_stands=False, attitude_stands=False)
     dt = new.t_boot - old.t_boot
     keep = 1.0 - dt / WINDOW
-    _, x, y, z = multiply(conjugate(old.q_nb), new.q_nb)
-    sign = 2.0 if _ >= 0.0 else -2.0
+    w, x, y, z = multiply(conjugate(old.q_nb), new.q_nb)
+    sign = 2.0 if w >= 0.0 else -2.0
     sums = watch.sums
     sums = Sums(
         _summed(sums.moved, keep, (new.p_n[0] - old.p_n[0], new.p_n[1] - old.p_n[1], new.p_n[2] - old.p_n[2]), 1.0),

@@ -4,10 +4,13 @@ Each is the same block diagram; ``assembly`` puts it together for a vehicle, ``s
 
     estimate -> predict -> govern speed -> law -> limits -> encode
 
+    steering        what they all are: Steering, Steered, and the aims Along and At
     rates           jerk -> body rates and thrust
     motors          the paper's chain: snap -> torques -> motor commands
+    torques         those torques, told to PX4's allocator
     speed_governor  the speed gives way where the vehicle could not fly the path at the mission's
     yaw             the yaw loop compensated
+    path_poles      poles of h1 and h2, by the noise found
     limits          body rates, thrust, anti-windup, levelling
     encoding        those rates as they are, or as the attitude PX4 turns back into them
     timing          when what acts

@@ -75,19 +75,20 @@ class ThrustConversion(NamedTuple):
 
 
 def limit_thrust(
-    range_: ThrustRange, zeta: float, zeta_derivative: float, dt: float, most: float, sooner: float,
+    range_: ThrustRange, zeta: float, zeta_derivative: float, dt: float, most: float, after_horizon: float,
     conversion: ThrustConversion,
 ) -> LimitedThrust:  # fmt: skip
     """zeta (N) integrated over ``dt`` s within its bounds, and the thrust to send.
 
-    ``zeta_derivative``: N/s, by the law. ``most``: N, what the vehicle has. ``sooner``: s, from the horizon of zeta to
-    the time at which the thrust of this command acts. Anti-windup: on a bound zeta_dot is zero. Of a vehicle that is
-    restrained zeta settles at what the path asks of a vehicle at rest with this tilt, so that it is not flung away
-    when it is released. LawError: a thrust that is no number; PX4 from 1.18 on stops the motors at it.
+    ``zeta_derivative``: N/s, by the law. ``most``: N, what the vehicle has. ``after_horizon``: s, mostly negative, from
+    the time of zeta to the middle of the time in which the thrust of this command acts. Anti-windup: on a bound
+    zeta_dot is zero. The rates of a vehicle that is restrained are zero, so its zeta settles at what the path asks of
+    one at rest with this tilt, and it is not flung away when it is released. LawError: a thrust that is no number; PX4
+    from 1.18 on stops the motors at it.
     """
     later, zeta_dot, bound = range_.integrated(zeta, zeta_derivative, dt, min(range_.high, most))
     newtons_per_specific = conversion.mass * conversion.scale
-    wanted = (zeta + zeta_dot * sooner) / newtons_per_specific * conversion.per_specific
+    wanted = (zeta + zeta_dot * after_horizon) / newtons_per_specific * conversion.per_specific
     if not math.isfinite(wanted + later):
         raise LawError(f"the thrust is not finite: {wanted}")
     sent = clamp_thrust(wanted)

@@ -9,8 +9,8 @@
     law                 law.flight, law.hold            zeta, the dynamic extension (Eq. 4)
     yaw compensation    steering.yaw                    YawMemory
     limits              steering.limits                 whether the last command met one
-    path poles          steering.path_poles             PathPoles, what the noise in the commands allows
     encode              steering.encoding               none
+    path poles          steering.path_poles             PathPoles; last, for the law of the next step
 
 Jerk -> body rates and the rate of the thrust. Between a state and the effect of its command lie the link and the rate
 loop; so the law is evaluated where its command acts, at the state predicted under the commands already sent.
@@ -85,7 +85,8 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 class RateSteering:
     """The law at the level of rates for one vehicle.
 
-    ``range``: of zeta. ``rate_loop``: as told, ``lag``: s, as last found. ``hover_thrust``: normalised, as told.
+    ``range``: of zeta. ``rate_loop``: by the vehicle file, ``lag``: s, as last found. ``hover_thrust``: normalised, by
+    PX4 or the file.
     ``prior``: of what is estimated. ``encoding``: what is sent; what it smooths makes the rate loop so much later.
     ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields. ``tan_tilt_max``: of the
     steepest tilt. ``heading``: whose heading h4 is. ``per_rate``: what rate errors take of the motors' range.
@@ -215,12 +216,13 @@ class RateSteering:
         self, memory: RateMemory, command: Command, capability: Capability, timing: Timing, dt: float
     ) -> LimitedThrust:
         """Limits, thrust: it answers sooner than the rates do."""
-        sooner = timing.hold - (timing.lag - self.rate_loop.motor_lag)
+        # zeta is that of the horizon as this step begins; the command is held for the step, whose middle is meant
+        after_horizon = timing.hold - (timing.lag - self.rate_loop.motor_lag)
         conversion = ThrustConversion(
             self.vehicle.mass, memory.estimate.motion.forces.thrust_scale, self.hover_thrust / capability.gravity
         )
         most = capability.specific_thrust * self.vehicle.mass
-        return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, sooner, conversion)
+        return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, after_horizon, conversion)
 
     def _compensate_yaw(
         self, memory: RateMemory, command: Command, predicted: PredictedState, thrust: LimitedThrust,
