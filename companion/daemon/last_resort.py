@@ -19,6 +19,7 @@ from companion.daemon.asked_of_vehicle import COMMANDS
 from companion.daemon.conductor import Conductor
 from companion.flight.asking import Asking, update_asking
 from companion.flight.conduct import ControlAuthority
+from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import Phase, Request
 from companion.flight.situation import Answer
 from companion.mavlink.peer import Received
@@ -32,8 +33,6 @@ RESTORING = 2.0
 """s for the parameters that were set for the flight to be set back."""
 STEP = 0.02
 """s between two looks where nothing arrives: a level setpoint is computed anew each time."""
-STATE_FRESH = 0.2
-"""s that a state may be old to be levelled by; a level setpoint without one is what a hover takes."""
 T = TypeVar("T")
 
 
@@ -132,7 +131,7 @@ class LastResort:
             if since <= pilot.LEVEL_FOR:
                 self._level(now)
             if self._authority is ControlAuthority.COMPANION:
-                lost = now - self._state_at > STATE_FRESH
+                lost = now - self._state_at > STATE_AGE_MAX
                 self._asking, sent = update_asking(self._asking, self._answer, status, Phase.ABORT, now, lost=lost)
                 if sent:
                     self.asked = True
@@ -143,7 +142,7 @@ class LastResort:
         plan, memory = self._conductor.plan, self._conductor.memory
         if plan is None or memory is None:
             return
-        state = self._state if now - self._state_at <= STATE_FRESH else None
+        state = self._state if now - self._state_at <= STATE_AGE_MAX else None
         setpoint = self._try(lambda: plan.steering.level(state, memory.steering.memory))
         if setpoint is None:
             setpoint = self._try(lambda: plan.steering.level(None))

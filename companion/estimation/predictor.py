@@ -55,7 +55,6 @@ def predict(
     h = round(horizon / steps, 6)
     half = 0.5 * h
     damping = 1.0 - half * forces.drag  # drag acts on the velocity in the middle of the step
-    # AxisTransition of roll, the same of pitch (jj to adj), of yaw (zz to bz)
     yy, yd, dy, dd, ay, ad = axis_transition(rate_loop.lags[0], rate_loop.motor_lag, h)
     jj, jd, ej, edj, aj, adj = axis_transition(rate_loop.lags[1], rate_loop.motor_lag, h)
     zz, zd, ez, ed, az, bz = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)

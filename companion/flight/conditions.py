@@ -35,16 +35,16 @@ TURNS_TOO_FAST = 1.2
 """Ratio to the vehicle's greatest body rate, where PX4's rate loop does not bound it. Engineering choice."""
 TURNING = 1.0
 """rad/s: a vehicle that turns slower than that is not out of hand (engineering choice)."""
-LIFT_GONE = 0.6
+THRUST_RATIO_GONE = 0.6
 """Ratio of thrust made to thrust asked for, below which it does not answer, at once. Simulated: one motor of an x500
 at 50 % comes to 0.58, a storm to 0.66 for a moment."""
-LIFT_SHORT = 0.7
+THRUST_RATIO_SHORT = 0.7
 """Ratio, the same where it lasts. Simulated likewise."""
-LIFT_ASTRAY = 0.78
+THRUST_RATIO_ASTRAY = 0.78
 """Ratio, the same while it turns otherwise than commanded: one motor is weak. Simulated: a storm comes to 0.83."""
 RATE_ASTRAY = 1.5
 """rad/s between the rates commanded and flown. Simulated: a storm comes to 1.9, one motor at 50 % to 2.9."""
-LIFT_LEANS = 0.9
+THRUST_RATIO_LEANS = 0.9
 """Ratio below which thrust is named with a tilt that is not as commanded. Engineering choice."""
 BEHIND = 5
 """Number of states that arrive together with the newest, from which on the computer is behind. Engineering choice."""
@@ -61,7 +61,7 @@ FAR_OFF = 1.0
 ROTOR_WEAK = 0.65
 """Share of its thrust that a rotor gives, below which it does not answer, where the turning of the body tells it.
 Engineering choice: yaw has no authority left from there on."""
-LIFT_SPENT = 0.9
+THRUST_RATIO_SPENT = 0.9
 """Ratio below which thrust is named where it is at its limit and the vehicle sinks. Engineering choice: a sound vehicle
 at the bottom of a steep curve sinks at full thrust too, but makes it."""
 THRUST_SPENT = 0.94
@@ -80,13 +80,13 @@ class SafetyInputs(NamedTuple):
     turns, and ``turning_max`` where PX4's rate loop does not bound that. ``still``: it neither moves nor turns.
     ``saturated``: a limit of the vehicle was met. ``thrust_share``: of the largest thrust, asked for; ``sinking``: m/s
     downwards. ``link_delay``: s there and back, None where it is not known; ``needs``: of the link. ``jump``: m that
-    the position jumped, ``flagged`` by the estimator's reset counter.
-    ``velocity_off`` m/s, ``rates_off`` rad/s: how far position and velocity, and attitude and rates, disagree.
+    the position jumped, ``flagged`` by the estimator's reset counter. ``velocity_off`` m/s, ``rates_off`` rad/s: how
+    far position and velocity, and attitude and rates, disagree.
     ``same_place``, ``same_attitude``: the last state repeated those of the one before, although it moves, or turns.
     ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
     together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``gaps``: in the states,
-    of the last while. ``companions``: others that speak on the link. ``lift_asked``, ``lift_made``: m/s^2 of thrust
-    that is commanded and that comes; 0 where that is not followed. ``rotor_left``: see Steered.
+    of the last while. ``companions``: others that speak on the link. ``specific_thrust_commanded``,
+    ``specific_thrust_made``: m/s^2, commanded and made; 0 where it is not followed. ``rotor_left``: see Steered.
     """
 
     status: KnownStatus
@@ -118,8 +118,8 @@ class SafetyInputs(NamedTuple):
     gaps: int = 0
     companions: int = 0
     turning_max: float | None = None
-    lift_asked: float = 0.0
-    lift_made: float = 0.0
+    specific_thrust_commanded: float = 0.0
+    specific_thrust_made: float = 0.0
     rotor_left: float = 1.0
 
 
@@ -181,7 +181,7 @@ def tilt_error(s: SafetyInputs, limits: Limits) -> str | None:
     # a vehicle that is held does not tilt as commanded either; it is to carry on when it is let go
     if limits.tilt is None or s.tilt_error <= min(TILT_ERROR, limits.tilt) or s.still:
         return None
-    cause = _thrust(s, LIFT_LEANS)
+    cause = _thrust(s, THRUST_RATIO_LEANS)
     off = f"the tilt is {math.degrees(s.tilt_error):.0f} degrees off the commanded one"
     return off if cause is None else f"{off}, and {cause}"
 
@@ -201,23 +201,23 @@ def turns(s: SafetyInputs, limits: Limits) -> str | None:
 def thrust_gone(s: SafetyInputs, limits: Limits) -> str | None:
     """Much less thrust comes than is commanded."""
     astray = s.rate_error is not None and s.rate_error > RATE_ASTRAY
-    return _thrust(s, LIFT_ASTRAY if astray else LIFT_GONE)
+    return _thrust(s, THRUST_RATIO_ASTRAY if astray else THRUST_RATIO_GONE)
 
 
 def thrust_short(s: SafetyInputs, limits: Limits) -> str | None:
     """Less thrust comes than is commanded, of all rotors or of one."""
-    if s.rotor_left < ROTOR_WEAK and s.lift_asked > 0.0 and not s.still:
+    if s.rotor_left < ROTOR_WEAK and s.specific_thrust_commanded > 0.0 and not s.still:
         return (
             f"thrust does not answer (a motor or propeller): one gives {100.0 * s.rotor_left:.0f} % of what it is told"
         )
-    return _thrust(s, LIFT_SHORT)
+    return _thrust(s, THRUST_RATIO_SHORT)
 
 
 def thrust_spent(s: SafetyInputs, limits: Limits) -> str | None:
     """Less thrust comes than is commanded, and there is no more: the vehicle sinks at its largest."""
     if limits.tilt is None or s.thrust_share < THRUST_SPENT or s.sinking < SINKING:
         return None
-    return _thrust(s, LIFT_SPENT)
+    return _thrust(s, THRUST_RATIO_SPENT)
 
 
 def delay(s: SafetyInputs, limits: Limits) -> str | None:
@@ -228,9 +228,10 @@ def delay(s: SafetyInputs, limits: Limits) -> str | None:
 
 
 def _thrust(s: SafetyInputs, ratio: float) -> str | None:
-    if s.still or s.lift_made >= ratio * s.lift_asked:
+    if s.still or s.specific_thrust_made >= ratio * s.specific_thrust_commanded:
         return None
-    return f"thrust does not answer (a motor, propeller or battery): {s.lift_made:.1f} m/s^2 of {s.lift_asked:.1f} come"
+    made, commanded = s.specific_thrust_made, s.specific_thrust_commanded
+    return f"thrust does not answer (a motor, propeller or battery): {made:.1f} m/s^2 of {commanded:.1f} come"
 
 
 def floor(s: SafetyInputs, limits: Limits) -> str | None:

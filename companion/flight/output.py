@@ -118,7 +118,7 @@ def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool, ove
     if level in FLOWN_ON:
         last, longest = FLOWN_ON[level]
         time = tuning.offboard_loss_time
-        if time is None or is_longer(time, longest):
+        if time is None or exceeds(time, longest):
             settings.append(("COM_OF_LOSS_T", longest))
             faults.append(
                 "PX4 does not say its COM_OF_LOSS_T"
@@ -150,9 +150,9 @@ def chosen(level: OutputLevel, tuning: Tuning, *, auto: bool, consent: bool, ove
     raise CompanionError(f"{reason}; {offer}" + ("" if fatal else ", or fly --output attitude"))
 
 
-def is_longer(hover: float, limit: float) -> bool:
+def exceeds(value: float, limit: float) -> bool:
     """Whether a parameter exceeds a limit, as PX4 holds both: 0.3 reads back as 0.30000001."""
-    return float32(hover) > float32(limit)
+    return float32(value) > float32(limit)
 
 
 def float32(value: float) -> float:

@@ -117,15 +117,15 @@ ROWS: tuple[Row, ...] = (
         "land it and look at motors and propellers, or fly slower",
     ),
     Row(
-        f"under {100.0 * conditions.LIFT_GONE:g} % of the thrust that is commanded comes, or under "
-        f"{100.0 * conditions.LIFT_ASTRAY:g} % while the rates are {conditions.RATE_ASTRAY:g} rad/s off",
+        f"under {100.0 * conditions.THRUST_RATIO_GONE:g} % of the thrust that is commanded comes, or under "
+        f"{100.0 * conditions.THRUST_RATIO_ASTRAY:g} % while the rates are {conditions.RATE_ASTRAY:g} rad/s off",
         conditions.thrust_gone,
         0.1,
         Action.ABORT,
         "land it and look at its battery, motors and propellers",
     ),
     Row(
-        f"under {100.0 * conditions.LIFT_SHORT:g} % of the thrust that is commanded comes, or under "
+        f"under {100.0 * conditions.THRUST_RATIO_SHORT:g} % of the thrust that is commanded comes, or under "
         f"{100.0 * conditions.ROTOR_WEAK:g} % of one motor's at motors",
         conditions.thrust_short,
         0.25,
@@ -133,7 +133,7 @@ ROWS: tuple[Row, ...] = (
         "land it and look at its battery, motors and propellers",
     ),
     Row(
-        f"under {100.0 * conditions.LIFT_SPENT:g} % of it comes, it is at its limit, and the vehicle sinks at "
+        f"under {100.0 * conditions.THRUST_RATIO_SPENT:g} % of it comes, it is at its limit, and the vehicle sinks at "
         f"{conditions.SINKING:g} m/s",
         conditions.thrust_spent,
         0.3,

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from companion.flight.interruptions import SILENT_AFTER, mode_words
+from companion.flight.interruptions import SILENT_AFTER, STATUS_LOST_AFTER, mode_words
 from companion.flight.phases import PHASES, Phase
 from companion.flight.situation import Situation
-
-HEARD_WITHIN = 2.5
-"""s without a word about the mode from which on the vehicle counts as silent here. Engineering choice."""
 
 
 def waited_for(s: Situation) -> str | None:
@@ -16,7 +13,7 @@ def waited_for(s: Situation) -> str | None:
         return s.missing
     if s.phase not in SILENT_AFTER and s.phase is not Phase.STAND_BY:
         return None
-    if s.status.mode_age > HEARD_WITHIN:
+    if s.status.mode_age > STATUS_LOST_AFTER:
         longest = SILENT_AFTER.get(s.phase)
         until = "" if longest is None else f", and the flight ends after {longest:g} s of that"
         return f"nothing is heard from the vehicle in {s.phase.value}; it goes on by itself as it was told{until}"

@@ -1,13 +1,13 @@
 """One tick of a flight, pure: what is remembered and what is seen -> what is remembered next and what is done.
 
-memory       what is seen, remembered and done, as values
-intake       whether what arrives is a state, and how late
-targets      what is aimed at in each phase, and how fast the path is flown just now
-payload      what the payload is to do where the path comes to it
-lift         whether the vehicle makes the thrust that is commanded
-inputs       what the guards look at, gathered from memory and observation
-transitions  what a moment changes of the phase
-tick         the tick itself
+memory           what is seen, remembered and done, as values
+intake           whether what arrives is a state, and how late
+targets          what is aimed at in each phase, and how fast the path is flown just now
+payload          what the payload is to do where the path comes to it
+thrust_response  whether the vehicle makes the thrust that is commanded
+inputs           what the guards look at, gathered from memory and observation
+transitions      what a moment changes of the phase
+tick             the tick itself
 
 The pilot knows no MAVLink, no clock and no files. Feeding the same observations again gives the same setpoints, bit for
 bit; that is what ``companion replay`` does.

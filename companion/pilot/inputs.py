@@ -20,14 +20,14 @@ REHEARSED_FOR = 5.0
 """s of rehearsal where no duration is given. Engineering choice."""
 RESTS_FOR = 4.0
 """s of holding the place after which the thrust is known well enough, whatever its variance (engineering choice)."""
-LIFT_WATCHED = (Phase.JOIN, Phase.FOLLOW, Phase.REST)
+THRUST_WATCHED = (Phase.JOIN, Phase.FOLLOW, Phase.REST)
 """The phases in which the thrust that comes is held against what is commanded."""
 FOLLOWS_FOR = 0.6
 """s after its CURRENT_MODE said OFFBOARD that a vehicle is taken to follow what is commanded: PX4 sends one every 0.5 s
 and on change. A HEARTBEAT is too old a word: who lands meanwhile would be told that his thrust does not answer."""
-LIFT_AFTER = 0.3
+THRUST_AFTER = 0.3
 """s that the thrust was followed before it is judged, after settling. Engineering choice."""
-LIFT_AFTER_AT_ONCE = 4.0
+THRUST_AFTER_AT_ONCE = 4.0
 """s, the same where nothing was settled. Engineering choice."""
 STILL = 0.15
 """m/s and rad/s below which the vehicle stands. Engineering choice."""
@@ -37,6 +37,7 @@ def safety_inputs(
     plan: Plan, memory: Memory, observation: Observation, status: KnownStatus, now: float
 ) -> conditions.SafetyInputs:
     """What the safety rows look at at ``now``, s by our clock."""
+    response = memory.watch.thrust_response
     state, progress, limits, watch = memory.state, memory.path.progress, plan.conduct.limits, memory.watch
     if state is None:
         return conditions.SafetyInputs(status, rate=observation.rate, companions=observation.companions)
@@ -75,8 +76,8 @@ def safety_inputs(
         gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
         companions=observation.companions,
         turning_max=_turning_max(plan),
-        lift_asked=watch.lift.asked if follows and is_lift_judged(plan, memory) else 0.0,
-        lift_made=watch.lift.made,
+        specific_thrust_commanded=response.commanded if follows and is_thrust_judged(plan, memory) else 0.0,
+        specific_thrust_made=response.made,
         rotor_left=1.0 if steered is None else steered.rotor_left,
     )
 
@@ -97,10 +98,10 @@ def follows_commands(status: VehicleStatus, now: float) -> bool:
     return mode.known(now) is Mode.OFFBOARD and now - intended.at < FOLLOWS_FOR
 
 
-def is_lift_judged(plan: Plan, memory: Memory) -> bool:
+def is_thrust_judged(plan: Plan, memory: Memory) -> bool:
     """Whether the thrust was followed for long enough that its scale is known, and is to be judged in this phase."""
-    known = memory.watch.lift.known > (LIFT_AFTER_AT_ONCE if plan.conduct.at_once else LIFT_AFTER)
-    return known and memory.phase in LIFT_WATCHED
+    known = memory.watch.thrust_response.known > (THRUST_AFTER_AT_ONCE if plan.conduct.at_once else THRUST_AFTER)
+    return known and memory.phase in THRUST_WATCHED
 
 
 def situation(

@@ -15,7 +15,7 @@ from companion.flight.situation import Answer
 from companion.frames import Vec3
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
-from companion.pilot.lift import NO_LIFT, Lift
+from companion.pilot.thrust_response import NO_RESPONSE, ThrustResponse
 from companion.steering.steering import At, Steered, SteeringMemory
 from companion.vehicle import Mode, Setpoint, VehicleState, VehicleStatus
 
@@ -82,7 +82,7 @@ class StateWatch(NamedTuple):
     ``checked``: the last one that was compared; ``sums``: with those before it.
     ``place_stands``, ``attitude_stands``: too little changed for what velocity and rates say.
     ``velocity_off`` m/s, ``rates_off`` rad/s: how far change and velocity, change and body rates disagree.
-    ``lift``: the thrust that comes of what is commanded.
+    ``thrust_response``: the thrust that comes of what is commanded.
     """
 
     arrived_at: float = 0.0
@@ -101,7 +101,7 @@ class StateWatch(NamedTuple):
     attitude_stands: bool = False
     velocity_off: float = 0.0
     rates_off: float = 0.0
-    lift: Lift = NO_LIFT
+    thrust_response: ThrustResponse = NO_RESPONSE
 
 
 class Missing(NamedTuple):

@@ -33,9 +33,8 @@ from companion.frames import euler_from_rotation
 from companion.law.errors import LawError
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
-from companion.pilot.inputs import is_lift_judged, safety_inputs
+from companion.pilot.inputs import is_thrust_judged, safety_inputs
 from companion.pilot.intake import compare_states, take_in
-from companion.pilot.lift import update_lift
 from companion.pilot.memory import LawOutput, Memory, Observation, Outcome, Progress, StateWatch, SteeringRecord
 from companion.pilot.payload import due
 from companion.pilot.targets import (
@@ -45,6 +44,7 @@ from companion.pilot.targets import (
     turning,
     update_speed_scale,
 )
+from companion.pilot.thrust_response import update_thrust_response
 from companion.pilot.transitions import SEARCH_ANEW, Moment, change_phase, report_waiting
 from companion.plan import Plan
 from companion.steering.steering import Steered
@@ -153,9 +153,11 @@ def _compare_state(plan: Plan, memory: Memory, state: VehicleState, delay: float
     watch = compare_states(memory.watch, state)
     if old is None or steered is None:
         return watch
-    judged = is_lift_judged(plan, memory)
-    lift = update_lift(watch.lift, old, state, steered, vehicle.mass, vehicle.gravity, delay, judged)
-    return watch._replace(lift=lift)
+    judged = is_thrust_judged(plan, memory)
+    response = update_thrust_response(
+        watch.thrust_response, old, state, steered, vehicle.mass, vehicle.gravity, delay, judged
+    )
+    return watch._replace(thrust_response=response)
 
 
 class Commanded(NamedTuple):

@@ -6,7 +6,7 @@ import enum
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from companion.flight.output import FATAL_ON_LOSS, HOLD_ON_LOSS, LOSS_TIME_MAX, SANE_ON_LOSS, is_longer
+from companion.flight.output import FATAL_ON_LOSS, HOLD_ON_LOSS, LOSS_TIME_MAX, SANE_ON_LOSS, exceeds
 
 Values = Mapping[str, float]
 
@@ -87,7 +87,7 @@ def _far_enough(value: float, values: Values) -> bool:
 OVERRIDE_IN_OFFBOARD = 2
 """The bit of COM_RC_OVERRIDE (PX4 up to 1.17) for offboard."""
 RULES: tuple[Rule, ...] = (
-    Rule("COM_OF_LOSS_T", _when(lambda v, _: not is_longer(v, LOSS_TIME_MAX), Weight.ADVICE),
+    Rule("COM_OF_LOSS_T", _when(lambda v, _: not exceeds(v, LOSS_TIME_MAX), Weight.ADVICE),
          f"{LOSS_TIME_MAX:g} s or less",
          "for so long PX4 flies the last body rate when setpoints stop; longer, and auto flies attitude"),
     Rule("COM_OBL_RC_ACT", _on_loss, f"{HOLD_ON_LOSS} (Hold), or 3 (Return), 4 (Land)",

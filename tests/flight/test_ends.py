@@ -6,9 +6,9 @@ import pytest
 
 from companion.flight.epilogue import Done, sentence
 from companion.flight.guards import decide
-from companion.flight.interruptions import ANSWER_WITHIN, DISARMED_FOR, SILENT_AFTER
+from companion.flight.interruptions import ANSWER_WITHIN, DISARMED_FOR, SILENT_AFTER, STATUS_LOST_AFTER
 from companion.flight.phases import TRIES, Event, Phase
-from companion.flight.waiting import HEARD_WITHIN, waited_for
+from companion.flight.waiting import waited_for
 from companion.vehicle import KnownStatus, Landed, Mode
 from tests.flight.test_phases import situation
 
@@ -21,12 +21,12 @@ def test_a_vehicle_that_is_not_heard_is_waited_for_only_so_long_and_told_of(phas
     found = decide(situation(phase, status=gone))
     assert found is not None and found[:2] == (Phase.DONE, Event.SILENT)
     assert decide(situation(phase, status=gone._replace(mode_age=SILENT_AFTER[phase] - 0.1))) is None
-    assert phase.value in str(waited_for(situation(phase, status=gone._replace(mode_age=HEARD_WITHIN + 0.1))))
+    assert phase.value in str(waited_for(situation(phase, status=gone._replace(mode_age=STATUS_LOST_AFTER + 0.1))))
 
 
 def test_who_waits_for_a_pilot_is_told_that_nothing_is_heard() -> None:
     assert waited_for(situation(Phase.STAND_BY)) is None
-    said = waited_for(situation(Phase.STAND_BY, status=KnownStatus(mode_age=HEARD_WITHIN + 0.1)))
+    said = waited_for(situation(Phase.STAND_BY, status=KnownStatus(mode_age=STATUS_LOST_AFTER + 0.1)))
     assert said is not None and said.startswith("nothing is heard from the vehicle in stand by")
 
 

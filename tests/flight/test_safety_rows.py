@@ -116,13 +116,13 @@ def test_the_tilt_error_beside_a_point(level: Level) -> None:
 
 
 def test_thrust_that_does_not_answer_is_told_from_the_bottom_of_a_curve() -> None:
-    weak = CALM._replace(thrust_share=0.97, sinking=1.0, lift_asked=12.0, lift_made=10.0)
+    weak = CALM._replace(thrust_share=0.97, sinking=1.0, specific_thrust_commanded=12.0, specific_thrust_made=10.0)
     limits = LIMITS._replace(tilt=1.0)
     assert after(0.29, weak, limits) is Action.NONE
     assert after(0.31, weak, limits) is Action.HAND_BACK
     for calm in (
-        weak._replace(thrust_share=0.9), weak._replace(sinking=0.5), weak._replace(lift_made=11.0),
-        weak._replace(lift_asked=0.0, lift_made=0.0),
+        weak._replace(thrust_share=0.9), weak._replace(sinking=0.5), weak._replace(specific_thrust_made=11.0),
+        weak._replace(specific_thrust_commanded=0.0, specific_thrust_made=0.0),
     ):  # fmt: skip
         assert after(10.0, calm, limits) is Action.NONE
     assert after(1.0, weak, limits._replace(tilt=None)) is Action.NONE

@@ -49,7 +49,8 @@ def fly(
             assert steering is not None
             conductor.plan = dataclasses.replace(conductor.plan, steering=steering(conductor.plan))
             if conductor.memory is not None:
-                conductor.memory = conductor.memory._replace(steering=None)
+                steered = conductor.memory.steering._replace(memory=None)
+                conductor.memory = conductor.memory._replace(steering=steered)
             swapped = True
         memory = conductor.memory
         if memory is not None and memory.path.follow_from is not None:

@@ -1,4 +1,4 @@
-"""Thrust made beside thrust asked for: neither drag nor wind is taken for a motor that gives less."""
+"""Thrust made beside thrust commanded for: neither drag nor wind is taken for a motor that gives less."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from companion.frames import from_rotation_vector
-from companion.pilot.lift import NO_LIFT, Lift, update_lift
+from companion.pilot.thrust_response import NO_RESPONSE, ThrustResponse, update_thrust_response
 from companion.vehicle import VehicleState
 
 G, DRAG, LEAN = 9.81, 1.1, math.radians(45.0)
@@ -21,31 +21,31 @@ def found(drag: float = 0.0, north: float = 0.0, scale: float = 1.0) -> Any:
     return SimpleNamespace(drag=drag, disturbance=(north, 0.0, 0.0), thrust_scale=scale)
 
 
-def flown(made: float, wind: float, speed: float, told: float) -> Lift:
+def flown(made: float, wind: float, speed: float, told: float) -> ThrustResponse:
     """After 3 s of flying north at ``speed`` (m/s) with a lean of 45 degrees, ``made`` m/s^2 of thrust coming. ``told``:
     m/s^2, the disturbance by the estimator."""
     push = made * math.sin(LEAN) - DRAG * speed + DRAG * wind
     sink = G - made * math.cos(LEAN)
     steered: Any = SimpleNamespace(thrust_n=ASKED, estimates=found(DRAG, told))
-    lift, q = NO_LIFT, from_rotation_vector((0.0, -LEAN, 0.0))
+    response, q = NO_RESPONSE, from_rotation_vector((0.0, -LEAN, 0.0))
     # a moment of steady flight, again and again: the accelerations of ``made`` at this speed
     for k in range(300):
         t = 0.01 * k
         old = VehicleState(t, (0.0, 0.0, -10.0), (speed, 0.0, 0.0), q, (0.0, 0.0, 0.0), 0)
         new = old._replace(t_boot=t + 0.01, v_n=(speed + 0.01 * push, 0.0, 0.01 * sink))
-        lift = update_lift(lift, old, new, steered, 1.0, G, 0.01, True)
-    return lift
+        response = update_thrust_response(response, old, new, steered, 1.0, G, 0.01, True)
+    return response
 
 
 @pytest.mark.parametrize(("wind", "speed"), [(0.0, 0.0), (0.0, 8.0), (-6.0, 3.0), (6.0, -4.0)])
 def test_in_any_wind_a_sound_vehicle_makes_what_is_asked(wind: float, speed: float) -> None:
-    lift = flown(ASKED, wind, speed, DRAG * wind)
-    assert lift.made == pytest.approx(lift.asked, rel=0.02)
+    response = flown(ASKED, wind, speed, DRAG * wind)
+    assert response.made == pytest.approx(response.commanded, rel=0.02)
 
 
 def test_a_weak_motor_shows_and_a_disturbance_that_comes_with_it_does_not_hide_it() -> None:
     assert flown(0.55 * ASKED, 0.0, 3.0, 0.0).made == pytest.approx(0.55 * ASKED, rel=0.03)
-    lift = NO_LIFT
+    response = NO_RESPONSE
     steered: Any = SimpleNamespace(thrust_n=ASKED, estimates=found())
     q = from_rotation_vector((0.0, -LEAN, 0.0))
     for k in range(350):
@@ -54,17 +54,19 @@ def test_a_weak_motor_shows_and_a_disturbance_that_comes_with_it_does_not_hide_i
             steered.estimates.disturbance = (-0.45 * ASKED * math.sin(LEAN), 0.0, 0.0)
         old = VehicleState(0.01 * k, (0.0, 0.0, -10.0), (0.0, 0.0, 0.0), q, (0.0, 0.0, 0.0), 0)
         v = (0.01 * made * math.sin(LEAN), 0.0, 0.01 * (G - made * math.cos(LEAN)))
-        lift = update_lift(lift, old, old._replace(t_boot=0.01 * k + 0.01, v_n=v), steered, 1.0, G, 0.01, True)
-    assert lift.made < 0.7 * lift.asked
+        response = update_thrust_response(
+            response, old, old._replace(t_boot=0.01 * k + 0.01, v_n=v), steered, 1.0, G, 0.01, True
+        )
+    assert response.made < 0.7 * response.commanded
 
 
 def test_what_the_estimator_has_learned_of_a_loss_does_not_hide_it_either() -> None:
     """Half the thrust is gone and the scale is known at once: what is told is made, and still it is half."""
-    lift, q = NO_LIFT, (1.0, 0.0, 0.0, 0.0)
+    response, q = NO_RESPONSE, (1.0, 0.0, 0.0, 0.0)
     for k in range(400):
         scale = 1.0 if k < 300 else 0.5
         steered: Any = SimpleNamespace(thrust_n=G * scale, estimates=found(scale=scale))
         old = VehicleState(0.01 * k, (0.0, 0.0, -10.0), (0.0, 0.0, 0.0), q, (0.0, 0.0, 0.0), 0)
         new = old._replace(t_boot=0.01 * k + 0.01, v_n=(0.0, 0.0, 0.01 * G * (1.0 - scale)))
-        lift = update_lift(lift, old, new, steered, 1.0, G, 0.01, True)
-    assert lift.made == pytest.approx(0.5 * lift.asked, rel=0.05)
+        response = update_thrust_response(response, old, new, steered, 1.0, G, 0.01, True)
+    assert response.made == pytest.approx(0.5 * response.commanded, rel=0.05)
