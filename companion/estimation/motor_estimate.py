@@ -60,6 +60,8 @@ def advance_motor_estimate(
     body_state, thrust = propagate_body(estimate.body_state, body, commands, before, now)
     body_state = correct_body_with_gyro(body_state, state.w_b, now - before)
     motion, at_once = advance_motion(estimate.motion, thrust / body.mass, state, limited, moving)
+    if motion.estimator.restrained:  # what holds it turns it too: that is no rotor which gives less
+        body_state = BodyState(state.w_b, body_state.acting)
     return MotorEstimate(learn_motion(motion) if at_once else motion, body_state)
 
 
