@@ -13,14 +13,10 @@ from companion.flight.link_needs import BY_RATE_LOOP, LinkNeeds
 from companion.vehicle import KnownStatus
 
 ESTIMATOR_PARTS = (
-    (1, "attitude"),
-    (2, "horizontal velocity"),
-    (4, "vertical velocity"),
-    (8 | 16, "horizontal position"),
+    (1, "attitude"), (2, "horizontal velocity"), (4, "vertical velocity"), (8 | 16, "horizontal position"),
     (32, "height"),
-)
-"""Bits of ESTIMATOR_STATUS that must be there (one of each group), and what they stand for. MAVLink's
-ESTIMATOR_STATUS_FLAGS."""
+)  # fmt: skip
+"""Bits of ESTIMATOR_STATUS that must be there (one of each group), in words. MAVLink's ESTIMATOR_STATUS_FLAGS."""
 CLOCK_JUMP = 0.5
 """s that the vehicle's clock may run ahead of ours between two states (engineering choice)."""
 VELOCITY_OFF = 3.0
@@ -194,8 +190,10 @@ def rates(s: SafetyInputs, limits: Limits) -> str | None:
 
 def turns(s: SafetyInputs, limits: Limits) -> str | None:
     """It turns faster than PX4 would let it, where PX4 does not look."""
-    too_fast = s.turning_max is not None and s.turning > s.turning_max
-    return f"the vehicle turns at {math.degrees(s.turning):.0f} deg/s" if too_fast else None
+    if s.turning_max is None or s.turning <= s.turning_max:
+        return None
+    cause = _weak_rotor(s) or _thrust(s, THRUST_RATIO_LEANS)
+    return cause or f"the vehicle turns at {math.degrees(s.turning):.0f} deg/s"
 
 
 def thrust_gone(s: SafetyInputs, limits: Limits) -> str | None:
@@ -206,11 +204,7 @@ def thrust_gone(s: SafetyInputs, limits: Limits) -> str | None:
 
 def thrust_short(s: SafetyInputs, limits: Limits) -> str | None:
     """Less thrust comes than is commanded, of all rotors or of one."""
-    if s.rotor_left < ROTOR_WEAK and s.specific_thrust_commanded > 0.0 and not s.still:
-        return (
-            f"thrust does not answer (a motor or propeller): one gives {100.0 * s.rotor_left:.0f} % of what it is told"
-        )
-    return _thrust(s, THRUST_RATIO_SHORT)
+    return _weak_rotor(s) or _thrust(s, THRUST_RATIO_SHORT)
 
 
 def thrust_spent(s: SafetyInputs, limits: Limits) -> str | None:
@@ -225,6 +219,12 @@ def delay(s: SafetyInputs, limits: Limits) -> str | None:
     if s.link_delay is None or s.link_delay <= s.needs.delay:
         return None
     return f"a message takes {s.link_delay:.2f} s there and back, more than {s.needs.delay:g} s"
+
+
+def _weak_rotor(s: SafetyInputs) -> str | None:
+    if s.rotor_left >= ROTOR_WEAK or s.specific_thrust_commanded <= 0.0 or s.still:
+        return None
+    return f"thrust does not answer (a motor or propeller): one gives {100.0 * s.rotor_left:.0f} % of what it is told"
 
 
 def _thrust(s: SafetyInputs, ratio: float) -> str | None:

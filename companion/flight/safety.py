@@ -38,6 +38,18 @@ MEND_LINK = "mend the link: antennas, range, another radio; or ask for fewer sta
 LINK_ADVICE = frozenset({RAISE_SPEED, MEND_LINK})
 """What is advised where the link is to blame."""
 
+FEW_STATES = 20.0
+"""Hz of states, below which they are why an attitude is not held. Simulated: 14 Hz swing up within 1 s at rates."""
+
+
+def _too_few_to_hold(s: SafetyInputs, limits: Limits) -> str | None:
+    """The attitude is not held, because states are too far apart."""
+    off = conditions.rates(s, limits)
+    if off is None or s.rate is None or s.rate >= FEW_STATES:
+        return None
+    return f"only {s.rate:.0f} states a second arrive, too few to hold the attitude by: {off}"
+
+
 ROWS: tuple[Row, ...] = (
     Row(
         "the estimator has lost attitude, velocity, position or height",
@@ -101,6 +113,13 @@ ROWS: tuple[Row, ...] = (
         0.4,
         Action.ABORT,
         "land it and look at motors and propellers",
+    ),
+    Row(
+        f"the body rates are {conditions.RATE_ERROR:g} rad/s off on fewer than {FEW_STATES:g} states a second",
+        _too_few_to_hold,
+        0.2,
+        Action.ABORT,
+        RAISE_SPEED,
     ),
     Row(
         f"the body rates are {conditions.RATE_ERROR:g} rad/s off the commanded ones",
