@@ -450,8 +450,8 @@ def test_the_rate_loop_does_not_answer(level: OutputLevel) -> None:
     assert "motors and propellers" in watched.said
     assert watched.mode is Mode.HOLD
     assert watched.lowest > FLOOR
-    # which tilt is held is chance; held for good, it takes the vehicle off by the square of the time until that is noticed
-    assert max(error for _, error in watched.flown.path_errors) < 1.0
+    # which tilt is held is chance; held for good, it takes the vehicle off by the square of the time until it is told
+    assert max(error for _, error in watched.flown.path_errors) < 1.3
 
 
 def test_at_motors_a_weak_motor_is_made_up_for_or_named() -> None:

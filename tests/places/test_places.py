@@ -38,7 +38,7 @@ def test_home_as_a_place_on_the_earth_wins_over_its_old_coordinates() -> None:
     )
     near = VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH, home=home, home_n=(30.0, 41.0, 2.0))
     assert home_in(near) == pytest.approx((30.0, 40.0, 2.0), abs=1e-6)
-    with pytest.raises(PlaceError, match="two ways that are 50 m apart"):
+    with pytest.raises(PlaceError, match="given twice, 50 m apart"):
         home_in(VehicleLocation((0.0, 0.0, 0.0), frame=ZURICH, home=home, home_n=(0.0, 0.0, 2.0)))
 
 
