@@ -27,7 +27,7 @@ def found(estimated: Columns) -> dict[str, Any] | None:
         "drag_per_s": float(estimated["drag"][-1]),
         "disturbance_mps2": [float(estimated[f"push_{axis}"][-1]) for axis in ("north", "east", "down")],
         "delay_s": float(estimated["delay"][-1]),
-        "rate_loop_lag_s": float(estimated["rate_lag"][-1]),
+        "rate_loop_lag_s": _last(estimated, "rate_lag"),
         "yaw_loop_lag_s": _last(estimated, "yaw_lag"),
         "path_pole_per_s": None if _last(estimated, "path_pole") is None else _poles(estimated["path_pole"]),
         "pace": {"min": float(np.min(pace)), "slowed_fraction": float(np.mean(pace < SLOWED))},
@@ -49,11 +49,12 @@ def found_words(figures: dict[str, Any] | None, vehicle: Vehicle) -> list[str]:
     if figures is None:
         return []
     north, east, down = figures["disturbance_mps2"]
+    lag = figures["rate_loop_lag_s"]  # none at motors and torques
+    of_the_loop = "" if lag is None else f"rate loop lag {1e3 * lag:.0f} ms (file {1e3 * vehicle.rate_loop_lag:.0f}), "
     words = [
         f"found in flight: thrust scale {figures['thrust_scale']:.3f}, drag {figures['drag_per_s']:.2f} 1/s "
         f"(file {vehicle.drag:.2f}), disturbance {math.hypot(north, east, down):.2f} m/s^2, "
-        f"rate loop lag {1e3 * figures['rate_loop_lag_s']:.0f} ms (file {1e3 * vehicle.rate_loop_lag:.0f}), "
-        f"delay from a state to its command's effect {1e3 * figures['delay_s']:.0f} ms"
+        f"{of_the_loop}delay from a state to its command's effect {1e3 * figures['delay_s']:.0f} ms"
     ]
     poles = figures["path_pole_per_s"]
     if poles is not None:

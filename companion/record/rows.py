@@ -102,7 +102,7 @@ LAW_COLUMNS = (
     *(Column(f"push_{axis}", "f", "m/s^2, found: the disturbance") for axis in ("north", "east", "down")),
     *(Column(f"bias_{axis}", "f", "m/s, found: velocity over moving position") for axis in ("north", "east", "down")),
     Column("delay", "f", "s, from a state to the effect of its command on the motors"),
-    Column("rate_lag", "f", "s, found: of the rate loop"),
+    Column("rate_lag", "f", "s, found: of the rate loop; NaN at motors and torques"),
     Column("yaw_lag", "f", "s, found: of the yaw rate loop"),
     Column("path_pole", "f", "1/s, of h1 and h2, where it was chosen and not written"),
     Column("latency", "f", "s from the arrival of the state to the return of the setpoint's send"),

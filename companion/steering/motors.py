@@ -258,7 +258,7 @@ class MotorSteering:
             thrust_share=share,
             converged=estimate.motion.estimator.converged or not self._observes,
             governor=memory.governor.value,
-            estimates=estimates_of(estimate.motion, timing.delay, timing.lag) if self._observes else None,
+            estimates=estimates_of(estimate.motion, timing.delay, math.nan) if self._observes else None,
             rotor_left=self._rotor_left(estimate) if self._observes else 1.0,
         )
 

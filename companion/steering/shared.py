@@ -60,7 +60,7 @@ def is_to_move(command: Command, aim: Aim) -> bool:
 
 
 def estimates_of(motion: MotionEstimate, delay: float, lag: float) -> Estimates:
-    """For the record. ``delay``: s, the dead time. ``lag``: s, of the rate loop, or of the motors."""
+    """For the record. ``delay``: s, the dead time. ``lag``: s, of the rate loop; NaN without one."""
     belief = motion.estimator.belief
     return Estimates(belief.thrust_scale, belief.drag, belief.disturbance_n, belief.bias_n, delay, lag)
 
