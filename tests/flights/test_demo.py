@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -28,8 +28,14 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Shown:
     return Shown(json.loads(result.stdout), result.stderr, directory)
 
 
+def event(shown: Shown, kind: str) -> dict[str, Any]:
+    """The one event of a kind."""
+    (only,) = (event for event in shown.figures["events"] if event["kind"] == kind)
+    return only
+
+
 def test_it_comes_back_twice_and_never_chases(shown: Shown) -> None:
-    start, hold = shown.figures["events"]
+    start, hold = event(shown, "start"), event(shown, "hold")
     assert (start["kind"], hold["kind"]) == ("start", "hold")
     assert start["path_error_max_m"] == pytest.approx(2.0, abs=0.01) and start["back_after_s"] < 4.0
     assert hold["to_s"] - hold["from_s"] == pytest.approx(3.0, abs=0.02)
@@ -39,7 +45,7 @@ def test_it_comes_back_twice_and_never_chases(shown: Shown) -> None:
 
 def test_the_event_is_where_the_truth_has_it(shown: Shown) -> None:
     """The times of an event are found again from the record: the plant's own say the same."""
-    truth, hold = np.load(shown.directory / "truth.npy"), shown.figures["events"][1]
+    truth, hold = np.load(shown.directory / "truth.npy"), event(shown, "hold")
     still = truth["t_boot"][np.flatnonzero(np.linalg.norm(truth["v_n"], axis=1) == 0.0)]
     flight = np.load(shown.directory / "flight.npy")
     first = flight["t_boot"][np.flatnonzero(np.isfinite(flight["alpha"]))[0]]
