@@ -84,6 +84,7 @@ class Recorder:
     _table: TableWriter | None = field(init=False, default=None)
     _resolution: dict[str, Any] = field(init=False, default_factory=dict)
     _resolved: str | None = field(init=False, default=None)
+    _resolved_written: str | None = field(init=False, default=None)
     _failing: bool = field(init=False, default=False)
     _unrecorded: int = field(init=False, default=0)
     _gone: bool = field(init=False, default=False)
@@ -261,10 +262,10 @@ class Recorder:
             sync_directory(self.directory)
 
     def _write_resolved(self) -> None:
-        text = self._resolved
-        if text is not None:
+        text = self._resolved  # another thread may set it at any moment: it is read once and never set here
+        if text is not None and text is not self._resolved_written:
             write_whole(self._place.mine("resolved.json"), text)
-            self._resolved = None if self._resolved is text else self._resolved
+            self._resolved_written = text
 
     def _look_for_folder(self) -> None:
         if not self._gone and self._tlog.is_gone:

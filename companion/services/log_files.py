@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from companion.services.vehicle import ConnectedVehicle, ServiceError
+from companion.services.vehicle import HEARTBEAT_WITHIN, ConnectedVehicle, ServiceError
 
 FOLDERS = ("/fs/microsd/log", "/log")
 """Where PX4 keeps its logs: on a card; in its simulation."""
@@ -29,14 +29,26 @@ def fetch_log(vehicle: ConnectedVehicle, folder: Path, progress: Progress) -> Pa
     from mavsdk.plugins.ftp import Ftp, FtpError
     from mavsdk.plugins.telemetry import Telemetry
 
-    if Telemetry(vehicle.system).armed():
+    if is_armed(Telemetry(vehicle.system)):
         raise ServiceError("the vehicle is armed and still writes its log; once disarmed: companion vehicle log")
     ftp = Ftp(vehicle.system)
     try:
-        path = _closed(ftp)
+        path = closed_log(ftp)
     except FtpError as error:
         raise ServiceError(f"the vehicle does not show its files by MAVLink FTP ({error.result.name})") from None
     return _downloaded(ftp, path, folder, progress)
+
+
+def is_armed(telemetry: Any) -> bool:
+    """As its next HEARTBEAT says: before the first one MAVSDK's own figure is False. ServiceError: none comes."""
+    said: queue.SimpleQueue[bool] = queue.SimpleQueue()
+    handle = telemetry.subscribe_armed(lambda armed, _: said.put(bool(armed)))
+    try:
+        return said.get(timeout=HEARTBEAT_WITHIN)
+    except queue.Empty:
+        raise ServiceError(f"the vehicle has not been heard for {HEARTBEAT_WITHIN:g} s; is it still on?") from None
+    finally:
+        telemetry.unsubscribe_armed(handle)
 
 
 def newest(names: list[str]) -> str | None:
@@ -48,16 +60,19 @@ def newest(names: list[str]) -> str | None:
     return None
 
 
-def _closed(ftp: Any) -> str:
-    """The path of the newest log, once it has stopped growing."""
+def closed_log(ftp: Any) -> str:
+    """The path of the newest log, once it has stopped growing. ServiceError: it has not, or there is none."""
     ends = time.monotonic() + CLOSED_WITHIN
-    path, size = _newest_log(ftp)
+    seen = _newest_log(ftp)
     while time.monotonic() < ends:
         time.sleep(LOOKED_EVERY)
-        before, (path, size) = size, _newest_log(ftp)
-        if size == before:
-            break
-    return path
+        before, seen = seen, _newest_log(ftp)
+        if seen == before:
+            return seen[0]
+    raise ServiceError(
+        f"the vehicle still writes {seen[0]} after {CLOSED_WITHIN:g} s, and half of a log was not fetched; once it is "
+        "closed: companion vehicle log (SDLOG_MODE 0 closes it at disarming, 2 and 4 only when it is switched off)"
+    )
 
 
 def _newest_log(ftp: Any) -> tuple[str, int]:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import socket
+import sys
 from pathlib import Path
+from types import FrameType
 
 import pytest
 from typer.testing import CliRunner
@@ -153,3 +156,36 @@ def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Path, "home", nobody)
     assert state_file("x500") is None
     assert recalled(None) is None
+
+
+def test_a_change_at_any_instant_of_a_write_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another thread retunes between any two steps of the interpreter inside the writer: the next write has it."""
+    monkeypatch.setattr(folder, "resolution", lambda *_: {"settings": []})
+    recorder = Recorder(tmp_path / "flight", MISSION, VEHICLE, 0.0)
+    recorder.begin(None, 0.0)  # type: ignore[arg-type]
+    written: list[str] = []
+    monkeypatch.setattr(folder, "write_whole", lambda path, text: written.append(text))
+    steps = [0, 0]  # taken, and the one after which the other thread comes
+
+    def trace(frame: FrameType, event: str, _: object) -> object:
+        if frame.f_code is not Recorder._write_resolved.__code__:
+            return None
+        frame.f_trace_opcodes = True
+        steps[0] += event == "opcode"
+        if event == "opcode" and steps[0] == steps[1]:
+            recorder.retuned({"tube": float(steps[1])}, 1.0)
+        return trace
+
+    while steps[0] >= steps[1]:
+        steps[:] = [0, steps[1] + 1]
+        recorder.retuned({"tube": -1.0}, 0.0)
+        before = sys.gettrace()
+        sys.settrace(trace)
+        recorder.flush()
+        sys.settrace(before)
+        recorder.flush()
+        assert json.loads(written[-1]) == recorder._resolution, f"lost after step {steps[1]}"
+    assert steps[1] > 10
+    count = len(written)
+    recorder.flush()
+    assert len(written) == count  # and nothing is written twice

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import random
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,10 @@ from typer.testing import CliRunner
 from companion.cli.commands import app
 from companion.config.syntax.faults import ConfigError
 from companion.record.table import Table, load_table
-from companion.record.ulog.clock import alignment
-from companion.record.ulog.joined import joined, kept
-from companion.record.ulog.reading import read_ulog
+from companion.record.ulog.clock import Alignment, alignment
+from companion.record.ulog.joined import VehicleLog, joined, keep, kept
+from companion.record.ulog.reading import LogSeries, read_ulog
+from companion.record.ulog.topics import BODY_RATES
 from sim_bridge.autopilot.logger.logger import TOPICS
 from sim_bridge.autopilot.logger.ulog import ULogFile
 
@@ -139,6 +141,27 @@ def test_what_is_no_log_of_a_flight_is_said_in_one_line(
     with pytest.raises(ConfigError, match=said) as caught:
         joined(file, load_table(folder / "flight.npy"))
     assert "\n" not in str(caught.value)
+
+
+def test_a_kept_log_that_is_spoilt_is_none_at_all(tmp_path: Path) -> None:
+    """Cut, or with bytes that another disk wrote, wherever: read or not there, nothing raised."""
+    series = LogSeries(np.arange(50.0), {"p": np.sin(np.arange(50.0))})
+    file = keep(tmp_path, VehicleLog("x.ulg", Alignment(0.0, 1.0, 5.0), {BODY_RATES: series}))
+    whole, rng = file.read_bytes(), random.Random(1)
+    assert kept(tmp_path) is not None
+    for end in range(0, len(whole), 50):
+        file.write_bytes(whole[:end])
+        assert kept(tmp_path) is None
+    for _ in range(300):
+        spoilt = bytearray(whole)
+        for _ in range(2):
+            spoilt[rng.randrange(len(whole))] = rng.randrange(256)
+        file.write_bytes(spoilt)
+        kept(tmp_path)
+    file.unlink()
+    np.save(tmp_path / "one.npy", series.t)
+    (tmp_path / "one.npy").rename(file)
+    assert kept(tmp_path) is None
 
 
 def test_a_log_cut_anywhere_is_read_to_its_cut_or_refused(folder: Path, tmp_path: Path) -> None:

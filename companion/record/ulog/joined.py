@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ from companion.record.ulog.topics import BODY_RATES
 
 KEPT = "ulog.npz"
 """Its name in the flight folder."""
+DAMAGED = (OSError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
+"""What numpy and zipfile raise at an archive that was cut or spoilt."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ def keep(directory: Path, log: VehicleLog) -> Path:
     for name, series in log.topics.items():
         arrays |= {f"{name}/{column}": values for column, values in {"t": series.t, **series.columns}.items()}
     path = directory / KEPT
-    np.savez_compressed(path, allow_pickle=False, **arrays)
+    np.savez_compressed(path, **arrays)
     return path
 
 
@@ -63,7 +66,7 @@ def kept(directory: Path) -> VehicleLog | None:
         with np.load(directory / KEPT, allow_pickle=False) as read:
             arrays = {name: read[name] for name in read.files}
         file, found = str(arrays.pop("log")), Alignment(*map(float, arrays.pop("alignment")))
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile):
+    except (*DAMAGED, KeyError, TypeError):  # what is missing in it, what is no archive at all
         return None
     topics: dict[str, LogSeries] = {}
     for name, values in arrays.items():
