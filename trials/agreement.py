@@ -14,6 +14,7 @@ from companion.config.syntax.document import parse
 from companion.feasibility.report import Report, check
 from companion.frames import Vec3
 from companion.library.orders import Sortie
+from companion.library.outcome import Ended, reason_of
 from companion.library.simulation import SimulatedFlight, in_memory
 from companion.mission import Mission
 from companion.plan import law_level
@@ -146,9 +147,13 @@ def flown(report: Report, level: OutputLevel, settle: float = SETTLE, laps: floa
     duration = settle + laps * report.duration
     ideal = Simulated(World(), "ideal", "", 0)
     went, ticks, truth = in_memory(SimulatedFlight(sortie, ideal, False, duration, lean=True))
+    assert went.failure is None, went.failure.trace
     plan = went.conductor.plan
     assert plan is not None, went.conductor.refusal
     told = followed_series(ticks.table)
+    assert told["t"].max(initial=0.0) > settle, "it was not followed: " + reason_of(
+        went.conductor, Ended(went.now, False)
+    )
     true = true_series(plan, told, truth)
     late = {name: values[true["since"] >= settle] for name, values in true.items()}
     then = truth[(truth["t_boot"] >= told["t_boot"][0] + settle) & (truth["t_boot"] <= told["t_boot"][-1])]

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from companion.config.syntax.faults import ConfigError, Fault
+from companion.daemon.last_resort import LastResort
 from companion.feasibility.auto import flyable
 from companion.feasibility.document import as_document
 from companion.feasibility.report import Report
@@ -28,7 +29,7 @@ from companion.library.orders import (
     source_of,
     vehicle_source,
 )
-from companion.library.outcome import Ended, figures_of, is_completed, reason_of
+from companion.library.outcome import Ended, OwnFailureError, figures_of, is_completed, reason_of
 from companion.library.output import Output
 from companion.library.simulation import Flown, SimulatedFlight, in_lockstep, in_memory
 from companion.mission import Origin
@@ -90,6 +91,31 @@ class Asked:
 
 def simulate(asked: Asked) -> Flight:
     """See ``public.simulate``."""
+    return _recorded(asked)[0]
+
+
+def summary_of(asked: Asked) -> dict[str, Any]:
+    """The summary of a flight, the same whether it leaves a folder behind or, where none is asked for, nothing.
+    OwnFailureError: the companion itself failed. CompanionError: it did not begin."""
+    if asked.record is not None:
+        recorded, failure = _recorded(asked)
+        if failure is not None:
+            raise OwnFailureError(failure.sentence)
+        return recorded.summary
+    flight = _flight_of(asked)
+    flown, ticks, truth = in_memory(flight)
+    if flown.failure is not None:
+        raise OwnFailureError(flown.failure.sentence)
+    conductor, ended = flown.conductor, Ended(flown.now, False)
+    reason = None if is_completed(conductor, ended) else reason_of(conductor, ended)
+    if conductor.plan is None or conductor.memory is None:
+        raise CompanionError(f"not flown: {reason}")
+    outcome, simulation = "completed" if reason is None else "aborted", simulation_document(flight.simulated)
+    return summary(conductor.plan, ticks.table, truth, asked.settle, outcome, reason, None, simulation)
+
+
+def _recorded(asked: Asked) -> tuple[Flight, LastResort | None]:
+    """The flight with its folder; what ended it where the companion itself failed."""
     flight = _flight_of(asked)
     sortie, temporary = flight.sortie, None if asked.record is not None else TemporaryDirectory(prefix="companion-")
     folder = asked.record if temporary is None else Path(temporary.name)
@@ -101,20 +127,7 @@ def simulate(asked: Asked) -> Flight:
         recorder.discard()
         raise
     _finish(flown, recorder, asked.settle)
-    return Flight(folder, temporary)
-
-
-def summary_alone(asked: Asked) -> dict[str, Any]:
-    """The summary of a flight that leaves nothing else behind: the figures of ``simulate``. CompanionError: it did not
-    begin."""
-    flight = _flight_of(asked)
-    flown, ticks, truth = in_memory(flight)
-    conductor, ended = flown.conductor, Ended(flown.now, False, flown.failure)
-    reason = None if is_completed(conductor, ended) else reason_of(conductor, ended)
-    if conductor.plan is None or conductor.memory is None:
-        raise CompanionError(f"not flown: {reason}")
-    outcome, simulation = "completed" if reason is None else "aborted", simulation_document(flight.simulated)
-    return summary(conductor.plan, ticks.table, truth, asked.settle, outcome, reason, None, simulation)
+    return Flight(folder, temporary), flown.failure
 
 
 def _flight_of(asked: Asked) -> SimulatedFlight:
@@ -150,6 +163,8 @@ def _finish(flown: Flown, recorder: Recorder, settle: float) -> None:
     reason = None if is_completed(conductor, ended) else reason_of(conductor, ended)
     if conductor.plan is None or conductor.memory is None:
         recorder.discard()
+        if flown.failure is not None:
+            raise OwnFailureError(flown.failure.sentence)
         raise CompanionError(f"not flown: {reason}")
     figures_of(conductor, recorder, settle, reason)
     recorder.close()

@@ -14,6 +14,11 @@ from companion.daemon.vehicle_words import describe_vehicle
 from companion.record.folder import Recorder
 from companion.record.summary import summary
 from companion.record.table import Table, read_table
+from companion.vehicle import CompanionError
+
+
+class OwnFailureError(CompanionError):
+    """The companion itself failed: no result of the vehicle, its mission or its world."""
 
 
 class Ended(NamedTuple):

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from companion.config.study.keys import RequireModel
-from companion.library.calls import Asked, simulate, summary_alone
+from companion.library.calls import Asked, summary_of
 from companion.library.comparing import figures_of
 from companion.library.files import InputFile, MissionFile, VehicleFile, WorldFile
+from companion.library.outcome import OwnFailureError
 from companion.record.circumstances import software_version
 from companion.study.reading import Study, unmet
 from companion.study.sampling import samples
@@ -91,19 +92,19 @@ def row_of(case: Case, record: Path | None = None) -> dict[str, Any]:
     row: dict[str, Any] = {"index": case.index, "seed": case.varied.get("flight.seed", case.seed)}
     row |= {f"vary.{name}": value for name, value in case.varied.items()}
     figures: dict[str, Any] = {}
+    failed: list[str] = []
     try:
         with at_hand(case.mission) as mission:
-            asked = asked_of(case, mission, record)
-            summary = summary_alone(asked) if record is None else simulate(asked).summary
+            summary = summary_of(asked_of(case, mission, record))
         row |= {"outcome": summary["outcome"], "reason": summary["reason"]}
         figures = dict(figures_of(summary, ("follow", "settled", "truth", "loop", "found")))
         failed = unmet(case.require, figures)
+    except OwnFailureError as error:
+        row |= {"outcome": "failed", "reason": str(error)}
     except CompanionError as error:
         row |= {"outcome": "not flown", "reason": str(error).replace("\n", "; ")}
-        failed = []
     except Exception as error:  # a flight that breaks the software is a result, and the others go on
         row |= {"outcome": "failed", "reason": f"{type(error).__name__}: {error}"}
-        failed = []
     row["passed"] = row["outcome"] in (("completed",) if case.completed else ("completed", "aborted")) and not failed
     row["unmet"] = "; ".join(failed)
     return {**row, **figures, "version": software_version(), "wall_s": time.monotonic() - begun}

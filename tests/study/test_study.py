@@ -18,6 +18,8 @@ from typer.testing import CliRunner
 from companion.cli.commands import app
 from companion.config.study.keys import StudyModel, VaryModel
 from companion.config.syntax.faults import ConfigError
+from companion.daemon.conductor import Conductor
+from companion.flight.phases import Phase
 from companion.library.files import VehicleFile, WorldFile
 from companion.study.engine import flown
 from companion.study.explaining import ERRORS, explained, sobol_indices
@@ -85,6 +87,35 @@ def test_shipped_studies_can_be_run(file: Path) -> None:
     assert row["outcome"] == "completed", row["reason"]
     assert row["truth.settled.path_error_m.rms"] < 1.0
     assert row["truth.flight.impact_mps"] < 1.0  # one of them lands
+
+
+def test_a_flight_in_which_the_companion_itself_failed_never_passes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not where giving up in order is an answer either; and it is told the same by its replay, whose folder stays."""
+    (case,) = cases_of(study_from(FAILING, "failing.yaml"))
+    really = Conductor.on_timer
+
+    def failing(conductor: Conductor, now: float) -> None:
+        if conductor.memory is not None and conductor.memory.phase is Phase.FOLLOW:
+            raise ZeroDivisionError("no such thing")
+        really(conductor, now)
+
+    monkeypatch.setattr(Conductor, "on_timer", failing)
+    row, again = row_of(case), row_of(case, tmp_path / "folder")
+    assert row["outcome"] == "failed" and not row["passed"]
+    assert "the companion itself failed (ZeroDivisionError: no such thing" in row["reason"]
+    assert {**row, "wall_s": 0.0} == {**again, "wall_s": 0.0}
+    assert "ZeroDivisionError" in (tmp_path / "folder" / "failure.txt").read_text()
+
+
+FAILING = """\
+study: failing
+mission: circle_r5
+duration: 1
+settle: 0
+completed: false
+"""
 
 
 def test_every_combination_of_a_grid_is_flown_at_the_same_draws() -> None:
