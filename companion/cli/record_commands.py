@@ -47,7 +47,7 @@ def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flig
     """Feed a flight's recorded inputs through the pilot again: the same setpoints, bit for bit."""
     from companion.record.replay import load_flight
     from companion.record.replay import replay as again
-    from companion.record.xrce_log import latency_words, read_evidence
+    from companion.record.xrce_log import latency_words, read_latency
 
     flight = load_flight(directory)
     for cut in flight.cuts:
@@ -58,7 +58,7 @@ def replay(directory: Annotated[Path, typer.Argument(metavar="DIR", help="A flig
         print(f"differs at {replayed.difference}")
         raise typer.Exit(1)
     print(f"{replayed.ticks} ticks, {replayed.setpoints} setpoints: the same, bit for bit")
-    sent = read_evidence(directory, flight.table)
+    sent = read_latency(directory, flight.table)
     if sent is not None and sent.differing is not None:
         print(f"link.xrce differs at {sent.differing}: it is not the setpoint of that tick")
         raise typer.Exit(1)

@@ -41,9 +41,9 @@ class Flight:
 
     @cached_property
     def _evidence(self) -> Evidence:
-        from companion.record.report.evidence import gathered
+        from companion.record.report.evidence import read_evidence
 
-        return gathered(self.folder)
+        return read_evidence(self.folder)
 
     @property
     def summary(self) -> dict[str, Any]:

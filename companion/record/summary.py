@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from companion.plan import Plan
 from companion.record.circumstances import software_version
 from companion.record.events import flight_events
-from companion.record.found import found, found_words
+from companion.record.final_estimates import estimate_sentences, final_estimates
 from companion.record.series import FOLLOW, PHASES, followed_series, stretches, true_series
 from companion.record.table import Table
 from companion.vehicle import OutputLevel
@@ -52,11 +52,11 @@ def summary(
             "flight": _whole(truth),
         }
     result["loop"] = _loop(table)
-    result["found"] = found(estimated)
+    result["found"] = final_estimates(estimated)
     result["version"] = software_version()
     result["simulation"] = simulation
     result["events"] = [each.document for each in flight_events(estimated, table, simulation)]
-    result["notes"] = _notes(estimated, plan) + found_words(result["found"], plan.vehicle)
+    result["notes"] = _notes(estimated, plan) + estimate_sentences(result["found"], plan.vehicle)
     result["record"] = record
     return result
 

@@ -107,7 +107,7 @@ def examined(data: bytes, table: Table) -> XrceEvidence:
     return XrceEvidence(len(sent), wrong, latency)
 
 
-def read_evidence(directory: Path, table: Table) -> XrceEvidence | None:
+def read_latency(directory: Path, table: Table) -> XrceEvidence | None:
     """What a flight folder's ``link.xrce`` shows; None: there is none, or it cannot be read."""
     try:
         return examined((directory / NAME).read_bytes(), table)

@@ -19,12 +19,12 @@ from companion.config.syntax.faults import ConfigError
 from companion.flight.phases import Phase
 from companion.record import report
 from companion.record.report import errors, figures, motion, write_report, zoom
-from companion.record.report.evidence import Evidence, gathered
+from companion.record.report.curves import points_along, points_to_draw
+from companion.record.report.evidence import Evidence, read_evidence
 from companion.record.report.figures import inline
 from companion.record.report.page import page
 from companion.record.report.style import drawing
-from companion.record.report.text import worded
-from companion.record.report.tracks import along, kept
+from companion.record.report.text import number_text
 from companion.record.summary import summary
 from companion.vehicle import CompanionError, OutputLevel
 
@@ -113,7 +113,7 @@ class Reader(HTMLParser):
 
 def page_of(directory: Path) -> str:
     """The page without its figures, which take their time."""
-    return page(gathered(directory), [])
+    return page(read_evidence(directory), [])
 
 
 def read(directory: Path) -> Reader:
@@ -174,9 +174,9 @@ def test_the_key_figures_are_the_summarys(flown: Path) -> None:
     row = re.search(r"Path error \(G1\), largest.*?</tr>", text)
     assert row is not None
     words = re.findall(r'<data value="[^"]*">(.*?)</data>', row[0])
-    assert words[0] == worded(100.0 * summary["follow"]["path_error_m"]["max"])
+    assert words[0] == number_text(100.0 * summary["follow"]["path_error_m"]["max"])
     # the settled figures above the panels are the same, in the panels' units
-    panel = f"settled: rms {worded(settled['yaw_error_deg']['rms'])}, largest {worded(settled['yaw_error_deg']['max'])}"
+    panel = f"settled: rms {number_text(settled['yaw_error_deg']['rms'])}, largest {number_text(settled['yaw_error_deg']['max'])}"
     assert panel.replace("<", "&lt;") in text
     assert "settled from 3 s" in text
 
@@ -218,7 +218,7 @@ def test_an_aborted_flight_says_why(copy: Path) -> None:
 
 def test_while_the_pilot_has_it_nothing_is_followed_and_nothing_is_late(flown: Path) -> None:
     """He takes it for 6 s: no gap between setpoints, no following, and what comes after settles anew."""
-    table, plan = np.load(flown / "flight.npy"), gathered(flown).plan
+    table, plan = np.load(flown / "flight.npy"), read_evidence(flown).plan
     whole = summary(plan, table, None, 1.0, "completed", None, None)
     followed = np.flatnonzero(table["phase"] == list(Phase).index(Phase.FOLLOW))
     middle = followed[len(followed) // 2]
@@ -282,7 +282,7 @@ def test_not_a_flight_folder(tmp_path: Path) -> None:
 def test_without_matplotlib_it_says_what_to_install(flown: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [name for name in sys.modules if name.startswith(f"{report.__name__}.")]:
         monkeypatch.delitem(sys.modules, name)
-    for name in ("figures", "maps", "tracks", "style", "errors", "motion", "estimates", "timing"):
+    for name in ("figures", "maps", "curves", "style", "errors", "motion", "vehicle"):
         monkeypatch.delattr(report, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(CompanionError, match=re.escape("pip install 'px4-path-companion[report]'")):
@@ -299,7 +299,7 @@ def in_real_time(evidence: Evidence) -> Evidence:
 
 
 def test_a_real_time_flight_shows_its_timing_and_date(flown: Path) -> None:
-    evidence = in_real_time(gathered(flown))
+    evidence = in_real_time(read_evidence(flown))
     text = page(evidence, figures.figures(evidence))
     assert 'id="figure-gaps"' in text and 'id="figure-latency"' in text
     assert "gap between setpoints, ms" in text and "state to setpoint, ms" in text
@@ -310,7 +310,7 @@ def test_a_real_time_flight_shows_its_timing_and_date(flown: Path) -> None:
 
 @pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
 def test_other_levels_show_rates_instead_of_motors(flown: Path, level: OutputLevel) -> None:
-    evidence = gathered(flown)
+    evidence = read_evidence(flown)
     plan = dataclasses.replace(evidence.plan, level=level)
     table = evidence.table.copy()
     table["sent_4"] = 0.5
@@ -327,7 +327,7 @@ def test_other_levels_show_rates_instead_of_motors(flown: Path, level: OutputLev
      (4321.0, "4321")],
 )  # fmt: skip
 def test_numbers_read_well(value: float, words: str) -> None:
-    assert worded(value) == words
+    assert number_text(value) == words
 
 
 def test_thinning_loses_no_spike() -> None:
@@ -336,11 +336,11 @@ def test_thinning_loses_no_spike() -> None:
     y[31_234] = 9.0
     y[60_000] = -7.0
     y[100] = np.nan
-    chosen = kept(y)
+    chosen = points_to_draw(y)
     assert len(chosen) <= 1700
     assert {0, 31_234, 60_000} <= set(chosen)
     hover = np.concatenate([np.zeros((5000, 3)), np.linspace([0.0, 0.0, 0.0], [10.0, 0.0, 0.0], 5000)])
-    track = along(hover, 100)
+    track = points_along(hover, 100)
     assert np.max(np.linalg.norm(np.diff(hover[track], axis=0), axis=1)) < 0.2
 
 
@@ -367,7 +367,7 @@ def held(evidence: Evidence) -> Evidence:
 
 
 def test_what_happened_is_told_shaded_and_marked(flown: Path) -> None:
-    evidence = held(gathered(flown))
+    evidence = held(read_evidence(flown))
     first = float(evidence.estimated["t_boot"][0])
     (hold,) = [each for each in evidence.flight_events if each.kind == "hold"]
     assert (hold.begin, hold.end) == pytest.approx((3.0 - first, 4.0 - first), abs=0.01)
@@ -380,7 +380,7 @@ def test_what_happened_is_told_shaded_and_marked(flown: Path) -> None:
 
 
 def test_what_is_zoomed_into_is_what_is_drawn(flown: Path) -> None:
-    evidence = gathered(flown)
+    evidence = read_evidence(flown)
     with drawing():
         figure = errors.over_time(evidence)
         inline(figure, "errors-time", "errors")

@@ -9,7 +9,7 @@ import pytest
 
 from companion.record import rows
 from companion.record.table import Table, dtype_of
-from companion.record.xrce_log import NAME, XrceWriter, examined, latency_words, read_evidence, records
+from companion.record.xrce_log import NAME, XrceWriter, examined, latency_words, read_latency, records
 from companion.vehicle import MotorSetpoint, OutputLevel
 from companion.xrce import wire
 from companion.xrce.commands import Commands
@@ -60,7 +60,7 @@ def test_the_traffic_is_kept_and_shows_the_commands_and_their_latency(tmp_path: 
     flown(tmp_path).close()
     kept = list(records((tmp_path / NAME).read_bytes()))
     assert [each.data for each in kept if not each.to_px4][:-5] == [each.data for each in session() if each.of_client]
-    evidence = read_evidence(tmp_path, table(COMMANDS))
+    evidence = read_latency(tmp_path, table(COMMANDS))
     assert evidence is not None
     assert (evidence.commands, evidence.differing) == (5, None)
     assert evidence.latency == pytest.approx((0.004,) * 5, abs=2e-6)
@@ -69,13 +69,13 @@ def test_the_traffic_is_kept_and_shows_the_commands_and_their_latency(tmp_path: 
 
 def test_a_command_that_is_not_its_ticks_setpoint_is_named(tmp_path: Path) -> None:
     flown(tmp_path).close()
-    evidence = read_evidence(tmp_path, table((0.41, 0.52, 0.63, 0.75)))
+    evidence = read_latency(tmp_path, table((0.41, 0.52, 0.63, 0.75)))
     assert evidence is not None
     assert evidence.differing == "the command for the state of 99.800 s"
 
 
 def test_a_file_that_is_cut_or_missing_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
-    assert read_evidence(tmp_path, table(COMMANDS)) is None
+    assert read_latency(tmp_path, table(COMMANDS)) is None
     flown(tmp_path).close()
     whole = (tmp_path / NAME).read_bytes()
     assert examined(whole[:-7], table(COMMANDS)).commands == 4

@@ -1,16 +1,14 @@
 """``report.html``: the page one shows to others, from a flight folder.
 
     evidence    everything the page is made from, whatever is missing from the folder
-    tracks      the path and the track as rows of east, north, up; fewer points, coloured by a quantity
     palette     the colours
-    marks       what happened, drawn into the figures
     style       type, lines, axes: one hand for every figure
+    curves      the path, the track and quantities over time as points to draw, coloured by another quantity
+    marks       what happened, drawn into the figures
     maps        figures 1 and 2: from above, and in space
     errors      figures 3 and 4: G1, G2, G3 over time and along the path
-    motion      figures 5 and 6: attitude, thrust and what was sent, as in the paper's Figs. 3 and 4
-    estimates   what was estimated of the vehicle
-    vehicle_log PX4's own curves beside ours
-    timing      the loop
+    motion      figures 5 and 6: attitude, thrust and what was sent, as in the paper's Figs. 3 and 4; and the loop
+    vehicle     what was estimated of the vehicle, and PX4's own curves beside ours
     figures     the figures in their order, with their captions, as pieces of the page
     zoom        the same figures for plotly.js, to zoom into
     text        the sentences, the phases, and the table of the numbers that matter
@@ -24,7 +22,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from companion.record.files import write_whole
-from companion.record.report.evidence import gathered
+from companion.record.report.evidence import read_evidence
 from companion.record.report.page import page
 from companion.vehicle import CompanionError
 
@@ -40,7 +38,7 @@ def write_report(directory: Path) -> Path:
         if (error.name or "").split(".")[0] not in ("matplotlib", "mpl_toolkits"):
             raise
         raise CompanionError("the report draws with matplotlib: pip install 'px4-path-companion[report]'") from None
-    evidence = gathered(directory)
+    evidence = read_evidence(directory)
     text = page(evidence, figures.figures(evidence), zoom.library())
     target = directory / "report.html"
     write_whole(target, text, durable=False)

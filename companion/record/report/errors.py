@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from companion.record.report.curves import DASHED, DOTTED, draw_curve, label_time, points_to_draw
 from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.marks import shade
 from companion.record.report.palette import BLUE, FAINT, INK, TRUE
@@ -23,12 +24,8 @@ from companion.record.report.style import (
     spanned,
     stacked,
 )  # fmt: skip
-from companion.record.report.text import worded
-from companion.record.report.tracks import kept
+from companion.record.report.text import number_text
 
-TIME = "time since following began, s"
-DASHES = (0, (3, 1.5))
-"""on and off, in line widths."""
 DECADES_APART = 100.0
 """From this ratio of the largest error to the settled one a logarithmic axis reads best."""
 
@@ -58,25 +55,27 @@ def over_time(evidence: Evidence) -> Figure:
     """How fast the errors go away, and what stays."""
     figure, panels = stacked([1.0, 1.0, 1.0], 5.9)
     estimated, true, settled = evidence.estimated, evidence.true, evidence.settled_from
-    shade(panels, evidence, 0.0, float(estimated["t"][-1]))
+    shade(panels, evidence, 0.0, evidence.following_s)
     for panel, goal in zip(panels, GOALS, strict=True):
-        seen = goal.factor * estimated[goal.column]
-        late = seen if settled is None else seen[estimated["since"] >= settled]
+        error = goal.factor * estimated[goal.column]
+        late = error if settled is None else error[estimated["since"] >= settled]
         rest = float(np.sqrt(np.mean(late**2)))
-        logarithmic = bool(np.max(np.abs(seen)) > DECADES_APART * max(rest, goal.floor))
+        logarithmic = bool(np.max(np.abs(error)) > DECADES_APART * max(rest, goal.floor))
         if true is not None:
-            _line(panel, true["t"], goal.factor * true[goal.column], logarithmic, TRUE, 3.4, "true")
-        _line(panel, estimated["t"], seen, logarithmic, BLUE, 1.1, "as estimated" if true is not None else None)
+            _draw_error(panel, true["t"], goal.factor * true[goal.column], logarithmic, TRUE, 3.4, "true")
+        _draw_error(panel, estimated["t"], error, logarithmic, BLUE, 1.1, "as estimated" if true is not None else None)
         if logarithmic:
-            decades(panel, max(goal.floor, 0.3 * rest), float(np.max(np.abs(seen))))
+            decades(panel, max(goal.floor, 0.3 * rest), float(np.max(np.abs(error))))
         else:
-            _linear(panel, goal, seen if true is None else np.concatenate([seen, goal.factor * true[goal.column]]))
+            both = [error] if true is None else [error, goal.factor * true[goal.column]]
+            _set_linear(panel, goal, np.concatenate(both))
         named(panel, f"{goal.name}, {goal.unit}")
         if settled is not None:
-            panel.axvline(settled, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)))
+            panel.axvline(settled, color=FAINT, linewidth=0.8, linestyle=DOTTED)
             rms, top = (evidence.number("settled", goal.key, kind) for kind in ("rms", "max"))
             if rms is not None and top is not None:
-                text = f"settled: rms {worded(goal.key_factor * rms)}, largest {worded(goal.key_factor * top)}"
+                rms_text, top_text = (number_text(goal.key_factor * value) for value in (rms, top))
+                text = f"settled: rms {rms_text}, largest {top_text}"
                 panel.set_title(text, loc="right", pad=4, fontsize=8, color=FAINT)
     if settled is not None:
         panels[0].annotate(
@@ -89,56 +88,53 @@ def over_time(evidence: Evidence) -> Figure:
             fontsize=8,
             color=FAINT,
         )
-    along_x(panels[-1], TIME, 0.0, max(float(estimated["t"][-1]), 1e-3))
+    label_time(panels[-1], 0.0, evidence.following_s)
     figure_legend(figure, panels[0])
     return figure
 
 
-def themselves(evidence: Evidence) -> Figure:
+def speed_and_heading(evidence: Evidence) -> Figure:
     """Speed and heading themselves, beside what the mission asks for at the same place."""
     figure, (speed, yaw) = stacked([1.0, 1.0], 4.2)
     estimated, true = evidence.estimated, evidence.true
-    shade([speed, yaw], evidence, 0.0, float(estimated["t"][-1]))
+    shade([speed, yaw], evidence, 0.0, evidence.following_s)
     heading = np.degrees(np.unwrap(estimated["yaw"]))
     # what is asked for runs beside what is flown, not a turn away from it
     asked = heading - np.degrees(estimated["yaw_error"])
     speeds, headings = [estimated["speed"], estimated["alpha"]], [heading, asked]
     if true is not None:
-        _line(speed, true["t"], true["speed"], False, TRUE, 3.4, "true")
+        draw_curve(speed, true["t"], true["speed"], TRUE, "true", 3.4)
         flown = np.interp(true["t"], estimated["t"], asked) + np.degrees(true["yaw_error"])
-        _line(yaw, true["t"], flown, False, TRUE, 3.4, None)
+        draw_curve(yaw, true["t"], flown, TRUE, None, 3.4)
         speeds.append(true["speed"])
         headings.append(flown)
-    _line(speed, estimated["t"], estimated["speed"], False, BLUE, 1.1, "flown" if true is None else "as estimated")
-    _line(speed, estimated["t"], estimated["alpha"], False, INK, 0.9, "the mission asks for", DASHES)
-    _line(yaw, estimated["t"], heading, False, BLUE, 1.1, None)
-    _line(yaw, estimated["t"], asked, False, INK, 0.9, None, DASHES)
+    draw_curve(speed, estimated["t"], estimated["speed"], BLUE, "flown" if true is None else "as estimated", 1.1)
+    draw_curve(speed, estimated["t"], estimated["alpha"], INK, "the mission asks for", 0.9, DASHED)
+    draw_curve(yaw, estimated["t"], heading, BLUE, None, 1.1)
+    draw_curve(yaw, estimated["t"], asked, INK, None, 0.9, DASHED)
     for panel, name, curves, least in (
         (speed, "Speed along the path, m/s", speeds, 0.1),
         (yaw, "Heading, deg clockwise from north", headings, 2.0),
     ):
         named(panel, name)
         spanned(panel, min(map(np.min, curves)), max(map(np.max, curves)), least)
-    along_x(yaw, TIME, 0.0, max(float(estimated["t"][-1]), 1e-3))
+    label_time(yaw, 0.0, evidence.following_s)
     figure_legend(figure, speed)
     return figure
 
 
-def _linear(panel: Axes, goal: Goal, values: Array) -> None:
+def _set_linear(panel: Axes, goal: Goal, values: Array) -> None:
     if goal.column == "path_error":
         from_zero(panel, float(np.max(values)), goal.span)
     else:
         spanned(panel, float(np.min(values)), float(np.max(values)), goal.span)
 
 
-def _line(
-    panel: Axes, x: Array, y: Array, logarithmic: bool, colour: str, width: float, label: str | None,
-    style: str | tuple[int, tuple[float, float]] = "-",
-) -> None:  # fmt: skip
+def _draw_error(
+    panel: Axes, t: Array, error: Array, logarithmic: bool, colour: str, width: float, label: str | None
+) -> None:
     # a logarithmic axis has no zero: what is exactly zero lies below every frame
-    y = np.maximum(np.abs(y), 1e-12) if logarithmic else y
-    chosen = kept(np.log(y) if logarithmic else y)
-    panel.plot(x[chosen], y[chosen], color=colour, linewidth=width, label=label, linestyle=style)
+    draw_curve(panel, t, np.maximum(np.abs(error), 1e-12) if logarithmic else error, colour, label, width)
 
 
 def over_path(evidence: Evidence) -> tuple[Figure, bool]:
@@ -153,13 +149,13 @@ def over_path(evidence: Evidence) -> tuple[Figure, bool]:
     for panel, goal in zip(panels, GOALS, strict=True):
         error = goal.factor * estimated[goal.column]
         for lap, rows in laps:
-            chosen = rows[kept(error[rows], points=1000)]
+            chosen = rows[points_to_draw(error[rows], points=1000)]
             share = (lap - 1) / max(1, most - 1)
             x, y = _broken(estimated["s"][chosen], error[chosen], evidence.plan.table.length)
             label = f"lap {lap}" if lap in labelled else None
             panel.plot(x, y, color=colours(share), linewidth=1.1, label=label)
         late = error if settled is None else error[estimated["since"] >= settled]
-        _linear(panel, goal, late)
+        _set_linear(panel, goal, late)
         bottom, top = panel.get_ylim()
         leaves = leaves or bool(np.max(error) > top or np.min(error) < bottom)
         named(panel, f"{goal.name}, {goal.unit}")

@@ -34,7 +34,7 @@ PARTS = ("mission", "vehicle", "output", "outcome", "phases", "follow", "settled
 
 @dataclass(frozen=True)
 class Evidence:
-    """A flight, read for telling.
+    """A flight, read for its report.
 
     ``figures``: the summary. ``resolved``: resolved.json. ``remade``: the summary was missing and has been computed
     again. ``sources``: the text of mission.yaml and vehicle.yaml. ``cuts``: which files end before their flight did.
@@ -74,9 +74,14 @@ class Evidence:
         return flight_events(self.estimated, self.table, self.resolved.get("simulation"))
 
     @property
-    def followed(self) -> bool:
+    def has_following(self) -> bool:
         """Whether there is a followed part worth a figure."""
         return len(self.estimated["t"]) > 1
+
+    @property
+    def following_s(self) -> float:
+        """How long the path was followed, s."""
+        return float(self.estimated["t"][-1])
 
     @cached_property
     def settled_from(self) -> float | None:
@@ -105,7 +110,7 @@ class Evidence:
         return float(value) if isinstance(value, int | float) and math.isfinite(value) else None
 
 
-def gathered(directory: Path) -> Evidence:
+def read_evidence(directory: Path) -> Evidence:
     """The evidence in a flight folder. ConfigError: it is not one."""
     flight = load_flight(directory)
     figures = _summary(directory)
@@ -154,8 +159,8 @@ def _ending(flight: Recorded) -> tuple[str, str | None]:
     # the end itself was recorded: the pilot, fed the same again, knows what it thought of it
     memory = pilot.begin(flight.begun_at)
     for row in flight.table:
-        seen, now = rows.observation_of(row)
-        memory, _ = pilot.step(flight.plan_at(now), memory, seen, now)
+        observation, now = rows.observation_of(row)
+        memory, _ = pilot.step(flight.plan_at(now), memory, observation, now)
     if pilot.completed(memory):
         return "completed", None
     return "aborted", memory.first_fault or "the flight ended before it was finished"

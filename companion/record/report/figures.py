@@ -9,11 +9,11 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
-from companion.record.report import errors, estimates, maps, marks, motion, timing, vehicle_log, zoom
+from companion.record.report import errors, maps, marks, motion, vehicle, zoom
 from companion.record.report.evidence import Evidence
 from companion.record.report.page import Picture, Section
 from companion.record.report.style import drawing
-from companion.record.report.text import escaped, happened, worded
+from companion.record.report.text import escaped, event_sentences, number_text
 from companion.record.ulog.joined import VehicleLog
 from companion.vehicle import OutputLevel
 
@@ -25,9 +25,9 @@ NOT_FOLLOWED = Section(
 def figures(evidence: Evidence) -> list[Section]:
     """Every figure, or the words that stand in its place."""
     with drawing():
-        if not evidence.followed:
+        if not evidence.has_following:
             return [_track(evidence), NOT_FOLLOWED]
-        found = [_estimates(evidence)] if estimates.known(evidence) else []
+        found = [_estimates(evidence)] if vehicle.has_estimates(evidence) else []
         found += [] if evidence.vehicle_log is None else [_vehicle_log(evidence, evidence.vehicle_log)]
         return [_track(evidence), _errors(evidence), _motion(evidence), *found, _timing(evidence)]
 
@@ -44,9 +44,9 @@ def _picture(name: str, draw: Callable[[], Figure], caption: str) -> Picture:
 
 def _track(evidence: Evidence) -> Section:
     title = "Path and track"
-    if not evidence.followed and not (evidence.table["fresh"] == 1).any():
+    if not evidence.has_following and not (evidence.table["fresh"] == 1).any():
         return Section(title, ["The companion saw no state of the vehicle, so there is no track to draw."], [])
-    if evidence.followed:
+    if evidence.has_following:
         ghost = marks.timetable(evidence) is not None
         above_caption = "From above: the path (dashed) and the track that was flown, coloured by its speed." + (
             " Dotted: where a reference on a timetable would have run while the vehicle was held." if ghost else ""
@@ -57,7 +57,7 @@ def _track(evidence: Evidence) -> Section:
         space_caption = "In space: the path it was to follow, its shadow on the floor, and where the vehicle was."
     return Section(
         title,
-        happened(evidence),
+        event_sentences(evidence),
         [
             _picture("above", lambda: maps.from_above(evidence), above_caption),
             _picture("space", lambda: maps.in_space(evidence), space_caption),
@@ -74,7 +74,7 @@ def _errors(evidence: Evidence) -> Section:
     along, leaves = errors.over_path(evidence)
     approach = ", while the approach to it leaves the frame" if leaves else ""
     place = f"Along the path: where the errors arise, lap over lap, on the scale of the settled flight{approach}."
-    raised = f", also in the {worded(evidence.plan.ramp_time)} s in which the vehicle is brought up to it"
+    raised = f", also in the {number_text(evidence.plan.ramp_time)} s in which the vehicle is brought up to it"
     words = [
         "G1: converge to the path; the path error is the distance to it. G2: fly at the mission’s speed; the speed "
         f"error counts against that speed from the first moment on{raised if evidence.plan.ramp_time > 0.0 else ''}. "
@@ -86,7 +86,7 @@ def _errors(evidence: Evidence) -> Section:
         [
             _picture("errors-time", lambda: errors.over_time(evidence), time),
             _picture("errors-path", lambda: along, place),
-            _picture("speed-yaw", lambda: errors.themselves(evidence), flown),
+            _picture("speed-yaw", lambda: errors.speed_and_heading(evidence), flown),
         ],
     )
 
@@ -104,7 +104,7 @@ def _motion(evidence: Evidence) -> Section:
     below = "; in the red band a motor would have to pull" if negative else ""
     thrusts = {rotor.thrust_max for rotor in evidence.plan.vehicle.rotors}
     words = (
-        [f"A motor’s command is shown as the force it asks for: a command of 1 is {worded(thrusts.pop())} N."]
+        [f"A motor’s command is shown as the force it asks for: a command of 1 is {number_text(thrusts.pop())} N."]
         if level is OutputLevel.MOTORS and len(thrusts) == 1
         else []
     )
@@ -131,16 +131,16 @@ def _estimates(evidence: Evidence) -> Section:
     if slowest < 0.995:
         share = 100.0 * float(np.mean(estimated["pace"] < 0.995))
         words.append(
-            f"For {worded(share)} % of the time the vehicle flew slower than the mission says, down to "
-            f"{worded(100.0 * slowest)} % of its speed: there the path asked for more than its limits allow."
+            f"For {number_text(share)} % of the time the vehicle flew slower than the mission says, down to "
+            f"{number_text(100.0 * slowest)} % of its speed: there the path asked for more than its limits allow."
         )
     machine = "The vehicle itself: the scale of its thrust and its drag as steering estimates them; dotted, its file."
     around = (
         "What else pushes it, and the delays that steering reckons with; dotted, the rate loop of the vehicle file."
     )
     pictures = [
-        _picture("machine", lambda: estimates.machine(evidence), machine),
-        _picture("surroundings", lambda: estimates.surroundings(evidence), around),
+        _picture("machine", lambda: vehicle.machine(evidence), machine),
+        _picture("surroundings", lambda: vehicle.surroundings(evidence), around),
     ]
     return Section("What it learned about the vehicle", words, pictures)
 
@@ -149,49 +149,49 @@ def _vehicle_log(evidence: Evidence, log: VehicleLog) -> Section:
     offset, correlation, overlap = log.alignment
     words = [
         f"{log.file}, the vehicle’s ULog, joined by the body rates that both hold: correlation {correlation:.3f} over "
-        f"{worded(overlap)} s, its clock {worded(1e3 * offset)} ms from the stamps of the states."
+        f"{number_text(overlap)} s, its clock {number_text(1e3 * offset)} ms from the stamps of the states."
     ]
     pictures = [
-        _picture("px4-estimate", lambda: vehicle_log.estimate(evidence, log.topics),
+        _picture("px4-estimate", lambda: vehicle.px4_estimate(evidence, log.topics),
                  "PX4’s estimate beside the states that reached us."),
-        _picture("px4-setpoints", lambda: vehicle_log.setpoints(evidence, log.topics),
+        _picture("px4-setpoints", lambda: vehicle.px4_setpoints(evidence, log.topics),
                  "What we sent, the setpoint that PX4 flew by, and the body rates that came of it."),
-        _picture("px4-motors", lambda: vehicle_log.motors(evidence, log.topics), "What PX4 told its motors."),
+        _picture("px4-motors", lambda: vehicle.px4_motors(evidence, log.topics), "What PX4 told its motors."),
     ]  # fmt: skip
     return Section("Beside PX4’s own log", words, pictures)
 
 
 def _timing(evidence: Evidence) -> Section:
     title = "The loop"
-    gaps, latencies = timing.gaps(evidence), timing.latencies(evidence)
+    gaps, latencies = motion.setpoint_gaps(evidence), motion.latencies(evidence)
     if len(gaps) == 0:
         return Section(title, ["No setpoints went out while following, so there is no timing to show."], [])
     words, pictures = [], []
     rate = evidence.number("loop", "rate_hz")
-    if float(gaps.max() - gaps.min()) < timing.STEADY:
+    if float(gaps.max() - gaps.min()) < motion.STEADY:
         words.append(
-            f"Setpoints went out every {worded(1e3 * float(gaps.mean()))} ms without exception"
+            f"Setpoints went out every {number_text(1e3 * float(gaps.mean()))} ms without exception"
             + (f", {rate:.0f} a second" if rate is not None else "")
             + "."
         )
     else:
         half, most = sorted(gaps)[len(gaps) // 2], float(gaps.max())
         caption = (
-            f"Time from one setpoint to the next: {worded(1e3 * float(half))} ms in the middle, "
-            f"{worded(1e3 * most)} ms at most."
+            f"Time from one setpoint to the next: {number_text(1e3 * float(half))} ms in the middle, "
+            f"{number_text(1e3 * most)} ms at most."
         )
-        pictures.append(_picture("gaps", lambda: timing.histogram(1e3 * gaps, "gap between setpoints", "ms"), caption))
+        pictures.append(_picture("gaps", lambda: motion.histogram(1e3 * gaps, "gap between setpoints", "ms"), caption))
     if len(latencies):
         p50, p99, top = (evidence.number("loop", "latency_us", key) for key in ("p50", "p99", "max"))
-        estimated = (
-            f": {worded(p50 / 1e3)} ms in the middle, {worded(p99 / 1e3)} ms or less in 99 of 100, "
-            f"{worded(top / 1e3)} ms at most"
+        of_the_loop = (
+            f": {number_text(p50 / 1e3)} ms in the middle, {number_text(p99 / 1e3)} ms or less in 99 of 100, "
+            f"{number_text(top / 1e3)} ms at most"
             if p50 is not None and p99 is not None and top is not None
             else ""
         )
-        caption = f"Time from the arrival of a state to the return of its setpoint’s send{estimated}."
+        caption = f"Time from the arrival of a state to the return of its setpoint’s send{of_the_loop}."
         pictures.append(
-            _picture("latency", lambda: timing.histogram(1e3 * latencies, "state to setpoint", "ms"), caption)
+            _picture("latency", lambda: motion.histogram(1e3 * latencies, "state to setpoint", "ms"), caption)
         )
     elif evidence.lockstep:
         words.append(

@@ -14,12 +14,12 @@ from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
-from companion.record.report import tracks
+from companion.record.report import curves
+from companion.record.report.curves import colour_bar, coloured_runs, points_along
 from companion.record.report.evidence import Array, Evidence
 from companion.record.report.marks import Place, places, timetable
 from companion.record.report.palette import FAINT, INK, ROAD, RULE, VERMILION
 from companion.record.report.style import WIDTH, legend, plain, ramp_of_colours
-from companion.record.report.tracks import along, colour_bar, runs
 
 PATH_DASHES = (0, (5, 3))
 """on and off, in line widths."""
@@ -29,13 +29,13 @@ def from_above(evidence: Evidence) -> Figure:
     """North up, east right, one metre as long in both; the track coloured by speed, the path dashed over it."""
     figure = Figure(figsize=(WIDTH, WIDTH * 1.1), layout="constrained")
     axes = figure.add_subplot()
-    flown, before_and_after = tracks.tracks(evidence)
-    road = tracks.road(evidence)
-    axes.plot(road[:, 0], road[:, 1], color=ROAD, linewidth=7, zorder=1)
-    axes.plot(road[:, 0], road[:, 1], color=INK, linewidth=0.9, linestyle=PATH_DASHES, zorder=4, label="path")
+    flown, before_and_after = curves.estimated_track(evidence)
+    path = curves.path(evidence)
+    axes.plot(path[:, 0], path[:, 1], color=ROAD, linewidth=7, zorder=1)
+    axes.plot(path[:, 0], path[:, 1], color=INK, linewidth=0.9, linestyle=PATH_DASHES, zorder=4, label="path")
     if before_and_after is not None:
         axes.plot(*before_and_after[:, :2].T, color=FAINT, linewidth=0.8, zorder=2, label="before and after")
-    true = tracks.true_track(evidence, flown)
+    true = curves.true_track(evidence, flown)
     if true is not None:
         axes.plot(true[:, 0], true[:, 1], color=VERMILION, linewidth=1.0, zorder=3.5, label="track, true")
     if flown is not None:
@@ -48,9 +48,9 @@ def from_above(evidence: Evidence) -> Figure:
         axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
     axes.margins(0.12)
     if flown is not None:
-        _flown(figure, axes, evidence, flown, np.concatenate([road, flown]))
+        _flown(figure, axes, evidence, flown, np.concatenate([path, flown]))
     elif before_and_after is not None:
-        _marked(axes, road, [Place(before_and_after[-1], "vehicle", "s", INK)])
+        _marked(axes, path, [Place(before_and_after[-1], "vehicle", "s", INK)])
     _direction(axes, evidence)
     legend(axes, columns=2)
     return figure
@@ -60,10 +60,10 @@ def _flown(figure: Figure, axes: Axes, evidence: Evidence, flown: Array, drawn: 
     """The track coloured by speed, with where it began, what happened on it and where it ended."""
     estimated = evidence.estimated
     speed = np.sqrt(estimated["v_north"] ** 2 + estimated["v_east"] ** 2 + estimated["v_down"] ** 2)
-    chosen = along(flown)
+    chosen = points_along(flown)
     norm = Normalize(0.0, max(float(np.max(speed)), 0.1))
     colours = ramp_of_colours("viridis", 0.0, 0.9)
-    pieces, levels = runs(flown[chosen, :2], speed[chosen], norm)
+    pieces, levels = coloured_runs(flown[chosen, :2], speed[chosen], norm)
     believed = "track" if evidence.true is None else "track, as estimated"
     axes.add_collection(LineCollection(pieces, colors=colours(levels), linewidths=2.6, zorder=3), autolim=False)
     axes.plot([], [], color=colours(0.75), linewidth=2.6, label=believed)
@@ -118,7 +118,7 @@ def _room(drawn: Array, point: Array, side: tuple[float, float], reach: float, w
 def _direction(axes: Axes, evidence: Evidence) -> None:
     """Arrowheads along the path in the direction of flight."""
     table, direction = evidence.plan.table, evidence.plan.direction
-    begin = float(evidence.estimated["s"][0]) if evidence.followed else 0.0
+    begin = float(evidence.estimated["s"][0]) if evidence.has_following else 0.0
     for share in (0.3, 0.8):
         (north, east, _), (tn, te, _), _ = table.at(begin + direction * share * table.length)
         step = 1e-3 * table.length * direction
@@ -139,22 +139,22 @@ def in_space(evidence: Evidence) -> Figure:
     """With its height; coloured by the distance to the path."""
     figure = Figure(figsize=(WIDTH, WIDTH * 1.04))
     axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0), projection=Axes3D.name, computed_zorder=False)
-    flown, before_and_after = tracks.tracks(evidence)
-    road = tracks.road(evidence)
-    everything = np.concatenate([part for part in (road, flown, before_and_after) if part is not None])
+    flown, before_and_after = curves.estimated_track(evidence)
+    path = curves.path(evidence)
+    everything = np.concatenate([part for part in (path, flown, before_and_after) if part is not None])
     everything = everything[np.isfinite(everything).all(axis=1)]
     low, high = _box(everything)
     floor = low[2]
-    axes.plot(road[:, 0], road[:, 1], np.full(len(road), floor), color=RULE, linewidth=1.5, zorder=1)
-    axes.plot(*road.T, color=ROAD, linewidth=5, zorder=2)
-    axes.plot(*road.T, color=INK, linewidth=0.8, linestyle=PATH_DASHES, zorder=5)
+    axes.plot(path[:, 0], path[:, 1], np.full(len(path), floor), color=RULE, linewidth=1.5, zorder=1)
+    axes.plot(*path.T, color=ROAD, linewidth=5, zorder=2)
+    axes.plot(*path.T, color=INK, linewidth=0.8, linestyle=PATH_DASHES, zorder=5)
     if before_and_after is not None:
         axes.plot(*before_and_after.T, color=FAINT, linewidth=0.8, zorder=3)
     if flown is not None:
         error = 100.0 * evidence.estimated["path_error"]
-        chosen = along(flown)
+        chosen = points_along(flown)
         norm, colours = _error_scale(error), ramp_of_colours("inferno_r", 0.22, 0.92)
-        pieces, levels = runs(flown[chosen], error[chosen], norm)
+        pieces, levels = coloured_runs(flown[chosen], error[chosen], norm)
         axes.add_collection3d(Line3DCollection(pieces, colors=colours(levels), linewidths=1.8, zorder=4))
         axes.scatter(*flown[0], s=28, facecolors="white", edgecolors=INK, linewidths=1.1, depthshade=False, zorder=9)
         colour_bar(figure, norm, colours, "path error, cm")

@@ -1,4 +1,4 @@
-"""How it flew: roll and pitch, thrust, and what was sent, as in the paper's Figs. 3 and 4."""
+"""How it flew: roll and pitch, thrust, and what was sent, as in the paper's Figs. 3 and 4; and how steadily."""
 
 from __future__ import annotations
 
@@ -7,16 +7,18 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from companion.record.report.curves import DASHED, DOTTED, draw_curve, ends, label_time
 from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.marks import shade
 from companion.record.report.palette import BLUE, FAINT, INK, LINES, TRUE, VERMILION
-from companion.record.report.style import along_x, legend, named, spanned, stacked
-from companion.record.report.tracks import kept
+from companion.record.report.style import WIDTH, legend, named, plain, spanned, stacked
+from companion.record.series import FOLLOW
 from companion.vehicle import OutputLevel
 
-DASHED = (0, (3, 1.5))
-"""on and off, in line widths."""
+STEADY = 1e-6
+"""s; gaps between setpoints that differ by less are all the same."""
 
 
 class Window(NamedTuple):
@@ -28,7 +30,7 @@ class Window(NamedTuple):
 
 def whole(evidence: Evidence) -> Window:
     """All of it."""
-    return Window(0.0, float(evidence.estimated["t"][-1]))
+    return Window(0.0, evidence.following_s)
 
 
 def last_lap(evidence: Evidence) -> tuple[Window, bool] | None:
@@ -58,7 +60,7 @@ def motion(evidence: Evidence, window: Window) -> Figure:
         _motors(panels[2], evidence, estimated)
     else:
         _rates(panels[2:], evidence, estimated)
-    along_x(panels[-1], "time since following began, s", window.begin, window.end)
+    label_time(panels[-1], window.begin, window.end)
     return figure
 
 
@@ -74,13 +76,13 @@ def _attitude(panel: Axes, evidence: Evidence, estimated: Series) -> None:
         w, x, y, z = (estimated[f"sent_{i}"] for i in range(4))
         asked = np.degrees(np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)))
         asked_pitch = np.degrees(np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0)))
-        _curve(panel, estimated["t"], asked, INK, "setpoint", 0.8, DASHED)
-        _curve(panel, estimated["t"], asked_pitch, INK, None, 0.8, DASHED)
+        draw_curve(panel, estimated["t"], asked, INK, "setpoint", 0.8, DASHED)
+        draw_curve(panel, estimated["t"], asked_pitch, INK, None, 0.8, DASHED)
         shown += [asked, asked_pitch]
-    _curve(panel, estimated["t"], roll, BLUE, "roll φ")
-    _curve(panel, estimated["t"], pitch, VERMILION, "pitch θ")
+    draw_curve(panel, estimated["t"], roll, BLUE, "roll φ")
+    draw_curve(panel, estimated["t"], pitch, VERMILION, "pitch θ")
     named(panel, "Roll and pitch, deg")
-    spanned(panel, *_ends(shown), 1.0)
+    spanned(panel, *ends(shown), 1.0)
     legend(panel)
 
 
@@ -88,12 +90,12 @@ def _thrust(panel: Axes, evidence: Evidence, estimated: Series, true: Series | N
     weight = evidence.plan.vehicle.weight
     shown = [estimated["thrust"], np.array([weight])]
     if true is not None:
-        _curve(panel, true["t"], true["thrust"], TRUE, "true", 3.4)
+        draw_curve(panel, true["t"], true["thrust"], TRUE, "true", 3.4)
         shown.append(true["thrust"])
-    panel.axhline(weight, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)), label="weight")
-    _curve(panel, estimated["t"], estimated["thrust"], BLUE, "sent")
+    panel.axhline(weight, color=FAINT, linewidth=0.8, linestyle=DOTTED, label="weight")
+    draw_curve(panel, estimated["t"], estimated["thrust"], BLUE, "sent")
     named(panel, "Thrust, N")
-    spanned(panel, *_ends(shown), 0.02 * weight)
+    spanned(panel, *ends(shown), 0.02 * weight)
     legend(panel)
 
 
@@ -101,8 +103,8 @@ def _motors(panel: Axes, evidence: Evidence, estimated: Series) -> None:
     rotors = evidence.plan.vehicle.rotors
     forces = [estimated[f"sent_{i}"] * rotor.thrust_max for i, rotor in enumerate(rotors)]
     for i, force in enumerate(forces):
-        _curve(panel, estimated["t"], force, LINES[i % len(LINES)], f"motor {i + 1}" if i == 0 else f"{i + 1}", 1.1)
-    low, high = _ends(forces)
+        draw_curve(panel, estimated["t"], force, LINES[i % len(LINES)], f"motor {i + 1}" if i == 0 else f"{i + 1}", 1.1)
+    low, high = ends(forces)
     spanned(panel, low, high, 0.02 * max(rotor.thrust_max for rotor in rotors))
     named(panel, "Motor commands, N")
     legend(panel)
@@ -112,7 +114,7 @@ def _motors(panel: Axes, evidence: Evidence, estimated: Series) -> None:
         panel.axhline(0.0, color=VERMILION, linewidth=0.8)
     ceiling = min(rotor.command[1] * rotor.thrust_max for rotor in rotors)
     if bottom < ceiling < top:
-        panel.axhline(ceiling, color=FAINT, linewidth=0.8, linestyle=(0, (2, 2)))
+        panel.axhline(ceiling, color=FAINT, linewidth=0.8, linestyle=DOTTED)
 
 
 def _rates(panels: list[Axes], evidence: Evidence, estimated: Series) -> None:
@@ -120,33 +122,66 @@ def _rates(panels: list[Axes], evidence: Evidence, estimated: Series) -> None:
     for i, (panel, axis) in enumerate(zip(panels, "pqr", strict=True)):
         measured = np.degrees(estimated[axis])
         shown = [measured]
-        _curve(panel, estimated["t"], measured, LINES[i], "measured")
+        draw_curve(panel, estimated["t"], measured, LINES[i], "measured")
         if sent:
             asked = np.degrees(estimated[f"sent_{i}"])
-            _curve(panel, estimated["t"], asked, INK, "setpoint", 0.8, DASHED)
+            draw_curve(panel, estimated["t"], asked, INK, "setpoint", 0.8, DASHED)
             shown.append(asked)
         named(panel, f"Body rate {axis}, deg/s")
-        spanned(panel, *_ends(shown), 2.0)
+        spanned(panel, *ends(shown), 2.0)
         if i == 0 and sent:
             legend(panel)
 
 
-def _curve(
-    panel: Axes,
-    t: Array,
-    y: Array,
-    colour: str,
-    label: str | None = None,
-    width: float = 1.2,
-    style: str | tuple[int, tuple[float, float]] = "-",
-) -> None:
-    chosen = kept(y)
-    panel.plot(t[chosen], y[chosen], color=colour, linewidth=width, linestyle=style, label=label)
+def setpoint_gaps(evidence: Evidence) -> Array:
+    """s between one setpoint and the next while following."""
+    table = evidence.table
+    sent = table[(table["phase"] == FOLLOW) & (table["setpoint"] > 0)]
+    between: Array = np.diff(np.asarray(sent["now"], dtype=float))
+    return between
 
 
-def _ends(curves: list[Array]) -> tuple[float, float]:
-    values = np.concatenate(curves)
-    values = values[np.isfinite(values)]
-    if len(values) == 0:
-        return 0.0, 0.0
-    return float(np.min(values)), float(np.max(values))
+def latencies(evidence: Evidence) -> Array:
+    """s from the arrival of a state to the return of its setpoint's send, while following."""
+    table = evidence.table
+    values = np.asarray(table[(table["phase"] == FOLLOW) & (table["setpoint"] > 0)]["latency"], dtype=float)
+    known: Array = values[np.isfinite(values)]
+    return known
+
+
+def histogram(values: Array, name: str, unit: str) -> Figure:
+    """How often each value came, the counts on a logarithmic axis so that the rare late one is seen."""
+    figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+    panel = figure.add_subplot()
+    top = float(np.max(values)) * 1.03
+    bins = np.linspace(0.0, top, 81)
+    counts, _ = np.histogram(values, bins)
+    panel.bar(bins[:-1], counts, width=np.diff(bins), align="edge", color=BLUE, linewidth=0)
+    panel.set_yscale("log")
+    panel.set_ylim(0.7, float(np.max(counts)) * 4.0)
+    panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
+    panel.yaxis.minorticks_off()
+    panel.xaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 2.5, 5, 10]))
+    panel.grid(axis="x", visible=False)
+    panel.set_xlim(0.0, top)
+    panel.set_xlabel(f"{name}, {unit}")
+    named(panel, "Setpoints")
+    half, most = float(np.percentile(values, 50)), float(np.percentile(values, 99))
+    _mark_quantile(panel, half, "half", FAINT, left=half > 0.1 * top)
+    _mark_quantile(panel, most, "99 %", VERMILION, left=most > 0.9 * top and most - half > 0.2 * top)
+    return figure
+
+
+def _mark_quantile(panel: Axes, value: float, word: str, colour: str, left: bool) -> None:
+    panel.axvline(value, color=colour, linewidth=0.9, linestyle=DOTTED)
+    panel.annotate(
+        word,
+        (value, 1.0),
+        xytext=(-3 if left else 3, -2),
+        ha="right" if left else "left",
+        xycoords=("data", "axes fraction"),
+        textcoords="offset points",
+        va="top",
+        fontsize=8,
+        color=colour,
+    )

@@ -7,8 +7,8 @@ from string import Template
 from typing import NamedTuple
 
 from companion.record.report.evidence import Evidence
-from companion.record.report.text import NBSP, escaped, facts, notes, outcome, shown, table, timeline
-from companion.record.xrce_log import latency_words, read_evidence
+from companion.record.report.text import NBSP, data_element, escaped, facts, notes, outcome, table, timeline
+from companion.record.xrce_log import latency_words, read_latency
 
 _PAGE = Template("""<!doctype html>
 <html lang="en">
@@ -84,7 +84,7 @@ def _notes(evidence: Evidence) -> str:
 
 def _tiles(evidence: Evidence) -> str:
     """The three goals in three numbers: settled where the flight settled, else of all following."""
-    if not evidence.followed:
+    if not evidence.has_following:
         return ""
     part = "follow" if evidence.settled_from is None else "settled"
     when = "while following" if evidence.settled_from is None else f"settled, from {evidence.settled_from:g}{NBSP}s"
@@ -92,8 +92,8 @@ def _tiles(evidence: Evidence) -> str:
     whose = ", estimated" if known else ""
     tiles = []
     for name, unit, key, factor in _TILES:
-        rms, most = (shown(evidence.number(part, key, kind), factor) for kind in ("rms", "max"))
-        true, true_most = (shown(evidence.number("truth", part, key, kind), factor) for kind in ("rms", "max"))
+        rms, most = (data_element(evidence.number(part, key, kind), factor) for kind in ("rms", "max"))
+        true, true_most = (data_element(evidence.number("truth", part, key, kind), factor) for kind in ("rms", "max"))
         truth = f'<dd class="true"><b>{true}</b> <span class="unit">{unit} rms, true</span></dd>' if known else ""
         largest = f"largest {most} {unit}" + (f", true {true_most} {unit}" if known else "")
         tiles.append(
@@ -104,7 +104,7 @@ def _tiles(evidence: Evidence) -> str:
 
 
 def _table(evidence: Evidence) -> str:
-    if not evidence.followed:
+    if not evidence.has_following:
         return ""
     return f'<section>\n<h2>Figures of the flight</h2>\n<div class="scroll">{table(evidence)}</div>\n</section>\n'
 
@@ -145,7 +145,7 @@ def _provenance(evidence: Evidence) -> str:
         ("Path length", length),
         ("Origin of the mission", f"{north:g} m north, {east:g} m east, {down:g} m down in the vehicle's local frame"),
         ("Ticks recorded", f"{len(evidence.table)}"),
-        *([("Commands", latency_words(sent))] if (sent := read_evidence(evidence.directory, evidence.table)) else []),
+        *([("Commands", latency_words(sent))] if (sent := read_latency(evidence.directory, evidence.table)) else []),
     ]
     listed = "".join(f"<div><dt>{name}</dt><dd>{escaped(value)}</dd></div>" for name, value in rows)
     sources = "".join(

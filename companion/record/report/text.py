@@ -51,8 +51,8 @@ def _world(evidence: Evidence) -> list[str]:
     return [f"world {simulation.get('world')}", str(simulation.get("air")), f"seed {simulation.get('seed')}"]
 
 
-def happened(evidence: Evidence) -> list[str]:
-    """What happened, a sentence each, and where the largest path error comes from."""
+def event_sentences(evidence: Evidence) -> list[str]:
+    """What event_sentences, a sentence each, and where the largest path error comes from."""
     done = [each for each in evidence.flight_events if each.kind not in OWN]
     lines = [f"At {in_words(each)}." for each in done[:HAPPENED_MAX]]
     if len(done) > HAPPENED_MAX:
@@ -62,7 +62,7 @@ def happened(evidence: Evidence) -> list[str]:
 
 def _largest(evidence: Evidence) -> list[str]:
     """Where the largest path error comes from, as far as the record knows."""
-    if not evidence.followed:
+    if not evidence.has_following:
         return []
     estimated = evidence.estimated
     index = int(np.argmax(estimated["path_error"]))
@@ -106,7 +106,8 @@ def outcome(evidence: Evidence) -> tuple[bool, str]:
     duration, distance, laps = (evidence.number("follow", key) for key in ("duration_s", "distance_m", "laps"))
     flown = None
     if duration and distance is not None and laps is not None:
-        flown = f"the path for {worded(duration)}{NBSP}s over {worded(distance)}{NBSP}m, {worded(laps)} laps"
+        seconds, metres, count = map(number_text, (duration, distance, laps))
+        flown = f"the path for {seconds}{NBSP}s over {metres}{NBSP}m, {count} laps"
     if evidence.figures["outcome"] == "completed":
         return True, f"Completed: followed {flown}." if flown else "Completed, without following the path."
     when = f"after following {flown}" if flown else "before it came to follow the path"
@@ -116,14 +117,14 @@ def outcome(evidence: Evidence) -> tuple[bool, str]:
 
 def notes(evidence: Evidence) -> list[str]:
     """What must not be overlooked: the summary's own notes, and what the folder lacks."""
-    estimated = evidence.figures.get("notes")
-    found = [str(note) for note in estimated] if isinstance(estimated, list) else []
+    said = evidence.figures.get("notes")
+    found = [str(note) for note in said] if isinstance(said, list) else []
     found += evidence.cuts
     if evidence.remade:
         found.append(
             f"the folder holds no summary, so its figures were computed from the record, with {SETTLE:g} s to settle"
         )
-    if evidence.followed and evidence.settled_from is None:
+    if evidence.has_following and evidence.settled_from is None:
         found.append("the flight ended before it counted as settled, so there are no settled figures")
     return [note[:1].upper() + note[1:] + ("" if note.endswith(".") else ".") for note in found]
 
@@ -140,7 +141,7 @@ def escaped(text: object) -> str:
     return html.escape(str(text), quote=True)
 
 
-def worded(value: float) -> str:
+def number_text(value: float) -> str:
     """Three or four figures, no exponent: 0.0242, 3.00, 66.44, 1234."""
     size = abs(value)
     if size == 0.0:
@@ -152,11 +153,11 @@ def worded(value: float) -> str:
     return text.replace("-", "−")
 
 
-def shown(value: float | None, factor: float = 1.0) -> str:
+def data_element(value: float | None, factor: float = 1.0) -> str:
     """A figure of the summary in a page: words for people, the summary's own number for programs."""
     if value is None:
         return NOTHING
-    return f'<data value="{value!r}">{escaped(worded(factor * value))}</data>'
+    return f'<data value="{value!r}">{escaped(number_text(factor * value))}</data>'
 
 
 class Line(NamedTuple):
@@ -213,11 +214,11 @@ def table(evidence: Evidence) -> str:
 
 def _cell(evidence: Evidence, keys: tuple[str, ...], line: Line) -> str:
     if line.between is None:
-        return shown(evidence.number(*keys), line.factor)
+        return data_element(evidence.number(*keys), line.factor)
     low, high = (evidence.number(*keys, end) for end in line.between)
     if low is None and high is None:
         return NOTHING
-    return f"{shown(low, line.factor)} to {shown(high, line.factor)}"
+    return f"{data_element(low, line.factor)} to {data_element(high, line.factor)}"
 
 
 UNKNOWN = "#aab6c1"
@@ -242,12 +243,12 @@ def timeline(evidence: Evidence) -> str:
     )
     return (
         f'<div class="strip" role="img" aria-label="phases of the flight over time">{bars}</div>'
-        f'<div class="scale"><span>0 s</span><span>{worded(total)} s</span></div><ol class="phases">{items}</ol>'
+        f'<div class="scale"><span>0 s</span><span>{number_text(total)} s</span></div><ol class="phases">{items}</ol>'
     )
 
 
 def _when(begin: float, end: float) -> str:
-    return f"{worded(end - begin)} s" if end > begin else f"at {worded(begin)} s"
+    return f"{number_text(end - begin)} s" if end > begin else f"at {number_text(begin)} s"
 
 
 def _spans(phases: Any) -> list[tuple[str, float, float]]:

@@ -17,7 +17,7 @@ SLOWED = 0.99
 Columns = Mapping[str, NDArray[np.float64]]
 
 
-def found(estimated: Columns) -> dict[str, Any] | None:
+def final_estimates(estimated: Columns) -> dict[str, Any] | None:
     """The last estimates of following, and the pace; None for an output that estimates nothing."""
     if not len(estimated["t"]) or "thrust_scale" not in estimated or not math.isfinite(estimated["thrust_scale"][-1]):
         return None
@@ -44,7 +44,7 @@ def _poles(values: NDArray[np.float64]) -> dict[str, float]:
     return {"chosen": float(finite[0]), "last": float(finite[-1])}
 
 
-def found_words(figures: dict[str, Any] | None, vehicle: Vehicle) -> list[str]:
+def estimate_sentences(figures: dict[str, Any] | None, vehicle: Vehicle) -> list[str]:
     """The same in sentences."""
     if figures is None:
         return []

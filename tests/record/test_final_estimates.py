@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from companion.config.vehicle import load_vehicle
-from companion.record.found import found, found_words
+from companion.record.final_estimates import estimate_sentences, final_estimates
 
 
 def columns(pace: list[float], scale: float = 1.02) -> dict[str, np.ndarray]:
@@ -18,9 +18,9 @@ def columns(pace: list[float], scale: float = 1.02) -> dict[str, np.ndarray]:
 
 
 def test_figures_and_words() -> None:
-    figures = found(columns([1.0, 1.0, 1.0]))
+    figures = final_estimates(columns([1.0, 1.0, 1.0]))
     assert figures is not None
-    (sentence,) = found_words(figures, load_vehicle("sih"))
+    (sentence,) = estimate_sentences(figures, load_vehicle("sih"))
     assert "thrust scale 1.020" in sentence
     assert "drag 0.98 1/s (file 1.00)" in sentence
     assert "disturbance 5.00" in sentence
@@ -28,13 +28,13 @@ def test_figures_and_words() -> None:
 
 
 def test_a_speed_that_gave_way_is_said() -> None:
-    figures = found(columns([1.0, 0.9, 0.8, 1.0]))
+    figures = final_estimates(columns([1.0, 0.9, 0.8, 1.0]))
     assert figures is not None
     assert figures["pace"] == {"min": 0.8, "slowed_fraction": 0.5}
-    assert "80 %" in found_words(figures, load_vehicle("sih"))[1]
+    assert "80 %" in estimate_sentences(figures, load_vehicle("sih"))[1]
 
 
 def test_an_output_that_estimates_nothing_has_found_nothing() -> None:
-    assert found(columns([1.0], math.nan)) is None
-    assert found(columns([])) is None
-    assert found_words(None, load_vehicle("sih")) == []
+    assert final_estimates(columns([1.0], math.nan)) is None
+    assert final_estimates(columns([])) is None
+    assert estimate_sentences(None, load_vehicle("sih")) == []
