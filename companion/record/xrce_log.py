@@ -9,17 +9,18 @@ from __future__ import annotations
 import math
 import struct
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from companion.record.growing import GrowingFile
 from companion.record.table import Table
 from companion.xrce import wire
-from companion.xrce.agent import Agent
-from companion.xrce.objects import Data, WriteData
+from companion.xrce.agent import Agent, Sample
+from companion.xrce.objects import Data
 from companion.xrce.topics import LAYOUTS
 
 NAME = "link.xrce"
@@ -85,23 +86,26 @@ def examined(data: bytes, table: Table) -> XrceEvidence:
     """
     setpoints = _setpoints(table)
     agent = Agent()
-    clock: deque[tuple[float, float]] = deque()  # when (s), and by how much ours was ahead of PX4's
+    clock: deque[tuple[float, float]] = deque()  # when (s), by how much ours was ahead of PX4's: both rising
     sent: list[tuple[float, int, bool]] = []  # s from stamp to command, the stamp (us), whether it is the tick's
     for at, to_px4, datagram in records(data):
         if not to_px4:
-            agent.receive(datagram, at)
-            clock.extend((at, at - stamp * 1e-6) for stamp in _published(datagram))
+            for stamp in _stamps(agent.receive(datagram, at)):
+                ahead = at - stamp * 1e-6
+                while clock and clock[-1][1] >= ahead:
+                    clock.pop()  # the newer one is less and lasts longer
+                clock.append((at, ahead))
             continue
         while clock and at - clock[0][0] > CLOCK_OVER:
             clock.popleft()
-        best = min((ahead for _, ahead in clock), default=math.nan)
+        least = clock[0][1] if clock else math.nan
         names = {reader.object: name for name, reader in agent.reading.items()}
         for name, sample in _commands(datagram, names):
             field, count = SENT[name]
             values = LAYOUTS[name, 0].decode(sample)
             if values is not None:
                 stamp, told = values["timestamp_sample"], np.float32(values[field][:count])
-                sent.append((at - stamp * 1e-6 - best, stamp, told.tobytes() in setpoints.get(stamp, ())))
+                sent.append((at - stamp * 1e-6 - least, stamp, told.tobytes() in setpoints.get(stamp, ())))
     wrong = next((f"the command for the state of {stamp * 1e-6:.3f} s" for _, stamp, same in sent if not same), None)
     latency = tuple(took for took, _, _ in sent if math.isfinite(took))
     return XrceEvidence(len(sent), wrong, latency)
@@ -111,7 +115,7 @@ def read_latency(directory: Path, table: Table) -> XrceEvidence | None:
     """What a flight folder's ``link.xrce`` shows; None: there is none, or it cannot be read."""
     try:
         return examined((directory / NAME).read_bytes(), table)
-    except OSError:
+    except (OSError, wire.WireError):
         return None
 
 
@@ -129,23 +133,29 @@ def latency_words(evidence: XrceEvidence) -> str:
 def _setpoints(table: Table) -> dict[int, set[bytes]]:
     """By the stamp of the state (us), the setpoints of the ticks as PX4's floats."""
     found: dict[int, set[bytes]] = {}
-    rows = table[table["setpoint"] > 0]
+    sends = table["setpoint"] > 0
+    rows = table[sends]
     sent = np.stack([rows[f"sent_{i}"] for i in range(4)], axis=1).astype(np.float32)
-    for stamp, values, kind in zip(rows["t_boot"].tolist(), sent, rows["setpoint"].tolist(), strict=True):
+    stamps = _latest(table["t_boot"])[sends]
+    for stamp, values, kind in zip(stamps.tolist(), sent, rows["setpoint"].tolist(), strict=True):
         count = 4 if kind == 1 else 3
         found.setdefault(round(stamp * 1e6), set()).add(values[:count].tobytes())
     return found
 
 
-def _published(datagram: bytes) -> Iterator[int]:
-    """The stamps (us, PX4's clock) of the samples in a datagram of PX4's."""
-    try:
-        message = wire.decode(datagram)
-    except wire.WireError:
-        return
-    for each in message.submessages:
-        if isinstance(each, WriteData) and len(each.sample) >= _STAMP.size:
-            (stamp,) = _STAMP.unpack_from(each.sample)
+def _latest(stamps: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Each tick's stamp, or where no state came with it, the one before: a setpoint goes out with the last state's
+    stamp. 0: none has come yet."""
+    known = np.isfinite(stamps)
+    last = np.maximum.accumulate(np.where(known, np.arange(len(stamps)), -1))
+    return np.where(last < 0, 0.0, stamps[last])
+
+
+def _stamps(samples: Iterable[Sample]) -> Iterator[int]:
+    """The stamps (us, PX4's clock) of what PX4 published."""
+    for each in samples:
+        if len(each.cdr) >= _STAMP.size:
+            (stamp,) = _STAMP.unpack_from(each.cdr)
             if 0 < stamp < STAMP_MAX:
                 yield stamp
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -80,3 +81,23 @@ def test_a_file_that_is_cut_or_missing_is_read_as_far_as_it_goes(tmp_path: Path)
     whole = (tmp_path / NAME).read_bytes()
     assert examined(whole[:-7], table(COMMANDS)).commands == 4
     assert examined(b"", table(COMMANDS)).commands == 0
+
+
+def test_a_command_without_a_new_state_is_its_tick_too(tmp_path: Path) -> None:
+    """An abort for want of states has none; its setpoint goes out with the last one's stamp."""
+    writer = flown(tmp_path)
+    writer.close()
+    ticks = table(COMMANDS)
+    ticks["t_boot"][1:] = np.nan
+    data = (tmp_path / NAME).read_bytes()
+    assert examined(data, ticks).differing == "the command for the state of 99.810 s"  # no tick has that stamp
+    ticks = np.concatenate((table(COMMANDS), table(COMMANDS)[-1:]))
+    ticks["t_boot"][-1], ticks["sent_0"][-1] = np.nan, 0.9
+    assert examined(data, ticks).differing is None
+
+
+def test_traffic_that_is_none_is_no_evidence(tmp_path: Path) -> None:
+    flown(tmp_path).close()
+    with (tmp_path / NAME).open("ab") as file:
+        file.write(struct.pack(">QBH", 0, 1, 3) + b"???")
+    assert read_latency(tmp_path, table(COMMANDS)) is None
