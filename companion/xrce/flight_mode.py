@@ -29,7 +29,9 @@ NEEDS = (
 ASK_AGAIN = 1.0
 """s after which what was not answered is asked again (engineering choice)."""
 FIRST_EXTERNAL = 23
-"""nav_state of PX4's first mode from outside; they are eight."""
+"""nav_state of PX4's first mode from outside."""
+MODES = 8
+"""Modes from outside that PX4 takes (NAVIGATION_STATE_EXTERNAL1 to 8)."""
 STATUS_LASTS = 0.7
 """s that a vehicle_status counts: PX4 publishes it at 2 Hz, and within 0.2 s of a change."""
 STALLED = 0.5
@@ -93,9 +95,11 @@ class FlightMode:
             self._nav_state, self._said_at = said["nav_state"], now
         elif sample.topic.name == "arming_check_request":
             self._answer(said["request_id"], now)
-        elif said["request_id"] == self._request and said["success"] and said["mode_id"] >= FIRST_EXTERNAL:
-            self.number, self._check = said["mode_id"], said["arming_check_id"]
-            self._configure()
+        elif said["request_id"] == self._request and said["success"]:
+            number, check = said["mode_id"], said["arming_check_id"]
+            if 0 <= number - FIRST_EXTERNAL < MODES and check >= 0:  # else it is nonsense, and asked again
+                self.number, self._check = number, check
+                self._configure()
 
     def write(self, agent: Agent, now: float) -> None:
         """Have what is due sent: a registration until it is answered, answers."""
@@ -108,13 +112,12 @@ class FlightMode:
                 "request_id": self._request, "name": self._name, "px4_ros2_api_version": API_VERSION,
                 "register_arming_check": True, "register_mode": True,
             }))  # fmt: skip
+        samples, self._samples = self._samples, []  # what cannot be said now is not said later either
         if any(name not in agent.reading for name in NEEDS):
-            self._samples.clear()
             return
-        for name, values in self._samples:
+        for name, values in samples:
             topic = agent.reading[name].topic
             agent.write([(name, topics.layout(topic, versioned=agent.versioned).encode(**values))])
-        self._samples.clear()
 
     def finish(self, *, completed: bool) -> None:
         """The flight is over: say how it ended, and unregister."""

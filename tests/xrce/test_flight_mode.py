@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from companion.vehicle import AttitudeSetpoint, Mode, OutputLevel
 from companion.xrce import topics, wire
 from companion.xrce.commands import Commands
@@ -84,6 +86,18 @@ def test_it_is_registered_by_its_name_and_asked_for_until_answered() -> None:
     other = {"request_id": 7, "success": True, "arming_check_id": 1, "mode_id": 24}
     vehicle.says(("register_ext_component_reply", 1), AT, **other)  # somebody else's
     assert vehicle.mode.mode is None
+
+
+@pytest.mark.parametrize(("mode", "check"), [(22, 2), (31, 2), (127, 2), (-1, 2), (23, -1)])
+def test_a_registration_under_numbers_that_are_none_is_asked_for_again(mode: int, check: int) -> None:
+    vehicle = Vehicle()
+    request = vehicle.told(AT)["register_ext_component_request"]
+    said = {"request_id": request["request_id"], "success": True, "arming_check_id": check, "mode_id": mode}
+    vehicle.says(("register_ext_component_reply", 1), AT, **said)
+    vehicle.says(("arming_check_request", 1), AT, request_id=77)
+    assert vehicle.told(AT) == {}
+    assert vehicle.mode.mode is None
+    assert "register_ext_component_request" in vehicle.told(AT + 1.1 * ASK_AGAIN)
 
 
 def test_it_says_what_it_needs_and_whether_it_can_be_flown() -> None:
