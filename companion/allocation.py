@@ -69,8 +69,8 @@ class Allocation:
         return tuple(scaled)  # type: ignore[return-value]
 
     @cached_property
-    def _to_wrench(self) -> Matrix4:
-        """M with a command in the place of each motor torque."""
+    def effectiveness(self) -> Matrix4:
+        """M with a command in the place of each motor torque: thrust (N) and torques (N m) per command."""
         rows = (
             tuple(
                 m * rotor.torque_per_thrust * rotor.thrust_max
@@ -99,7 +99,7 @@ class Allocation:
 
     def wrench(self, commands: Four) -> Four:
         """(thrust N, torques N m) of rotor commands."""
-        return _times(self._to_wrench, commands)
+        return _times(self.effectiveness, commands)
 
     def weakest(self, u: Four, missing: tuple[float, float]) -> float:
         """The share of its thrust that the weakest rotor gives, 1 at most: where ``u`` (N, N m) was asked of sound ones

@@ -19,7 +19,17 @@ from companion.frames import Vec3
 from companion.vehicle import Vehicle
 
 NO_EFFECT = 1e-3
-"""Ratio: an entry of the mix below this counts as zero. PX4's."""
+"""Ratio to an axis's largest entry below which a motor's does not count. PX4 has 1e-3 flat, for its CA_ROTOR_CT."""
+
+
+def normalised_mix(effectiveness: NDArray[np.float64]) -> NDArray[np.float64]:
+    """One row a rotor: its command from (roll, pitch, yaw, thrust along z) setpoints, all as shares. ``effectiveness``:
+    what a command gives, one row an axis in the same order; its unit does not count."""
+    inverse = np.asarray(np.linalg.pinv(effectiveness), dtype=np.float64)
+    roll_pitch = max(_scale(inverse[:, 0]), _scale(inverse[:, 1]))
+    scale = (roll_pitch, roll_pitch, np.max(inverse[:, 2]), np.mean(np.abs(inverse[:, 3])))
+    mix: NDArray[np.float64] = inverse / np.array(scale)
+    return mix
 
 
 @dataclass(frozen=True)
@@ -29,18 +39,13 @@ class Px4Allocation:
     vehicle: Vehicle
 
     @cached_property
+    def _allocation(self) -> Allocation:
+        return Allocation(self.vehicle)
+
+    @cached_property
     def _mix(self) -> NDArray[np.float64]:
-        """One row a rotor: its command from (roll, pitch, yaw, thrust along z) setpoints, all as shares."""
-        columns = []
-        for rotor in self.vehicle.rotors:
-            (x, y, _), c = rotor.position_b, rotor.thrust_max
-            columns.append((-y * c, x * c, rotor.spin.reaction * rotor.torque_per_thrust * c, -c))
-        mix: NDArray[np.float64] = np.linalg.pinv(np.array(columns).T)
-        roll_pitch = max(_scale(mix[:, 0]), _scale(mix[:, 1]))
-        scaled: NDArray[np.float64] = mix / np.array(
-            (roll_pitch, roll_pitch, np.max(mix[:, 2]), np.mean(np.abs(mix[:, 3])))
-        )
-        return scaled
+        thrust, roll, pitch, yaw = np.array(self._allocation.effectiveness)
+        return normalised_mix(np.array((roll, pitch, yaw, -thrust)))
 
     @cached_property
     def _inverse(self) -> tuple[tuple[float, ...], ...]:
@@ -61,10 +66,10 @@ class Px4Allocation:
 
     def wrench(self, torque: Vec3, thrust: float) -> Four:
         """Thrust (N) and torques (N m) of the same."""
-        return Allocation(self.vehicle).wrench(self.commands(torque, thrust))
+        return self._allocation.wrench(self.commands(torque, thrust))
 
 
 def _scale(column: NDArray[np.float64]) -> float:
     """PX4's factor of roll or pitch: the root mean square over half of the motors that act on it."""
-    acting = int(np.count_nonzero(np.abs(column) > NO_EFFECT))
+    acting = int(np.count_nonzero(np.abs(column) > NO_EFFECT * np.max(np.abs(column))))
     return math.sqrt(float(column @ column) / (acting / 2.0)) if acting else 1.0

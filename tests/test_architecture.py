@@ -33,7 +33,7 @@ MAY_IMPORT: dict[str, str] = {
     "estimation": "frames calculus vehicle",
     "steering": "frames vehicle paths law allocation px4_allocation thrust_range estimation",
     "feasibility": "frames fence calculus vehicle paths profiles law allocation thrust_range mission",
-    "identification": "plain_text frames vehicle",
+    "identification": "plain_text frames vehicle px4_allocation",
     "flight": "vehicle fence",
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "settings": "law plan",

@@ -13,6 +13,7 @@ from companion.identification.flight_data import STEP, Part, flown_parts
 from companion.identification.force_fit import CURVE_RANGE_MIN, VOLTS_RANGE_MIN, ForceFit, fit_forces
 from companion.identification.rate_fit import AxisFit, Found, fit_axis
 from companion.identification.ulog import Log
+from companion.px4_allocation import normalised_mix
 from companion.vehicle import GRAVITY
 
 AXES = ("roll", "pitch", "yaw")
@@ -199,16 +200,9 @@ def _turning(base: Description, data: Mapping[str, Any], hover: float, found: Fi
 
 def unit_torques(rotors: Sequence[Mapping[str, Any]]) -> tuple[float, float, float]:
     """m: what a torque setpoint of 1 gives about each axis, over the thrust of one motor at full command and, about
-    yaw, over the reaction torque over thrust. PX4's normalisation: the columns of the inverse of the effectiveness
-    scaled so that roll and pitch have a root mean square of 1/sqrt(2) of a quad X, and yaw at most 1."""
+    yaw, over the reaction torque over thrust, by PX4's normalisation."""
     places = [row["position_m"] for row in rotors]
     spins = [1.0 if row["spin"] == "ccw" else -1.0 for row in rotors]
-    effect = np.array([(-p[1], p[0], s, 1.0) for p, s in zip(places, spins, strict=True)]).T
-    inverse = np.linalg.pinv(effect)
-
-    def tilting(column: Any) -> float:
-        acts = np.abs(column) > 1e-3 * np.abs(column).max()
-        return float(np.sqrt(np.sum(column**2) / (acts.sum() / 2.0)))
-
-    scale = max(tilting(inverse[:, 0]), tilting(inverse[:, 1]))
-    return (1.0 / scale, 1.0 / scale, 1.0 / float(np.abs(inverse[:, 2]).max()))
+    effect = np.array([(-p[1], p[0], s, -1.0) for p, s in zip(places, spins, strict=True)]).T
+    roll, pitch, yaw, _ = np.diag(effect @ normalised_mix(effect)).tolist()
+    return roll, pitch, yaw
