@@ -93,5 +93,6 @@ def notes_of_the_link(conductor: Conductor) -> list[str]:
             f"messages, beside {counters.frames + counters.unknown} good ones; they were skipped"
         )
     notes += conductor.link.peers.words()
+    notes += [] if conductor.xrce is None else conductor.xrce.words()
     refused = conductor.telemetry.refused.items()
     return notes + [f"{count} states of the vehicle were not used: {reason}" for reason, count in refused]

@@ -33,7 +33,7 @@ from companion.xrce.messages import (
 )
 from companion.xrce.objects import Create, Data, Kind, ReadData, Status, WriteData
 from companion.xrce.reliable import NUMBERS, Incoming, Outgoing, ahead
-from companion.xrce.topics import Topic
+from companion.xrce.topics import Layout, Topic
 from companion.xrce.wire import NO_SESSION, NO_STREAM, Message, WireError
 
 TOPICS_MAX = 512
@@ -59,7 +59,8 @@ class Reader(NamedTuple):
 
 @dataclass(slots=True)
 class Counters:
-    """What came: messages, those that were none or of another session, best-effort ones that were missing or late."""
+    """What came. ``garbage``: datagrams and frames that were no message; ``strange``: of another session or another
+    client; ``lost``, ``late``: best-effort messages that did not come, or after a newer one."""
 
     messages: int = 0
     garbage: int = 0
@@ -88,15 +89,14 @@ class Agent:
     """One client's agent.
 
     ``reading``: by name, the topics that PX4 reads now. ``versioned``: whether its topics have versions (see
-    ``topics.layout``). ``sessions``: how many there were. ``heard_at``: s. ``keeps_time``: TIMESTAMP is answered.
-    Where it is not, once a session stands, the client asks in every turn and waits for the answer on the socket, where
-    it takes commands at once rather than up to 10 ms later; its clock offset stays as it was (xrce.md, section 5).
+    ``topics.layout``). ``sessions``: how many there were. ``keeps_time``: TIMESTAMP is answered. Where it is not, once
+    a session stands, the client asks in every turn and waits for the answer on the socket, where it takes commands at
+    once rather than up to 10 ms later; its clock offset stays as it was (xrce.md, section 5).
     """
 
     reading: dict[str, Reader] = field(default_factory=dict)
     versioned: bool = False
     sessions: int = 0
-    heard_at: float = -math.inf
     keeps_time: bool = True
     counters: Counters = field(default_factory=Counters)
     _session: _Session | None = None
@@ -120,15 +120,17 @@ class Agent:
         session = self._session
         if message.session == NO_SESSION or session is None or message.session != session.number:
             self._outside(message)
-        else:
-            self.heard_at = now
-            if message.stream == RELIABLE:
-                self._read(session.incoming.receive(message.sequence, message.submessages))
-                self._acknack = session.incoming.acknack()
-            elif message.stream == NO_STREAM or self._is_next(session, message.sequence):
-                self._read(message.submessages)
+        elif message.stream == RELIABLE:
+            self._read(session.incoming.receive(message.sequence, message.submessages))
+            self._acknack = session.incoming.acknack()
+        elif message.stream == NO_STREAM or self._is_next(session, message.sequence):
+            self._read(message.submessages)
         samples, self._samples = self._samples, []
         return samples
+
+    def layout(self, topic: Topic) -> Layout:
+        """The layout of one of this client's topics. TopicError: it is not known here."""
+        return topics.layout(topic, versioned=self.versioned)
 
     def write(self, samples: Sequence[tuple[str, bytes]]) -> bool:
         """Queue samples, topic and CDR, as one message. False: PX4 does not read all of them; then none is sent."""

@@ -20,13 +20,14 @@ from companion.vehicle import (
     Setpoint,
     TorqueSetpoint,
 )
-from companion.xrce import topics
 from companion.xrce.agent import Agent, Sample
 from companion.xrce.flight_mode import FlightMode
 from companion.xrce.topics import Layout, Topic, TopicError
 
 CONTROL_MODE_LASTS = 0.7
 """s that a vehicle_control_mode counts: PX4 publishes it at 2 Hz, and within 22 ms of a change (xrce.md, section 6)."""
+KEPT_BACK_USUALLY = 10
+"""Commands kept back where one link says it before the other, at the beginning and the end (engineering choice)."""
 MODE, CONTROL_MODE = "offboard_control_mode", "vehicle_control_mode"
 TOPICS = {
     OutputLevel.MOTORS: ("actuator_motors", "vehicle_thrust_setpoint"),
@@ -52,8 +53,8 @@ class Commands:
     """What goes to PX4 at one ``level`` over ``agent``.
 
     ``tap``: called with the time, whether it goes to PX4, and the bytes of each datagram. ``refusal``: why this PX4
-    cannot be commanded over it. ``flight_mode``: ours, flown in the place of OFFBOARD; None: OFFBOARD. ``sent``,
-    ``withheld``: commands so far, and those that the gate kept back.
+    cannot be commanded over it. ``flight_mode``: ours, flown in the place of OFFBOARD; None: OFFBOARD. ``sent``:
+    commands so far; ``kept_back``: those that the gate kept back while PX4 said that it flies in that mode.
     """
 
     level: OutputLevel
@@ -62,7 +63,7 @@ class Commands:
     refusal: str | None = None
     flight_mode: FlightMode | None = None
     sent: int = 0
-    withheld: int = 0
+    kept_back: int = 0
     _in_offboard: bool = False
     _follows: bool = False
     _said_at: float = -math.inf
@@ -126,35 +127,41 @@ class Commands:
                 return name
         return None if self._said_at > -math.inf else CONTROL_MODE
 
-    def send(self, setpoint: Setpoint, t_boot: float, now: float, says_offboard: bool) -> bool:
+    def send(self, setpoint: Setpoint, t_boot: float, now: float, says_so: bool) -> bool:
         """Queue a setpoint with the time (s, the vehicle's) of its state; whether the command is in what goes out.
-        ``says_offboard``: the vehicle has just said over MAVLink that it is in OFFBOARD, or in our own mode."""
-        if self.flight_mode is not None:
-            return self._send_in_own(self.flight_mode, setpoint, t_boot, now, says_offboard)
-        samples = [self._sample(MODE, **{FLAG[self.level]: True})]
-        is_open = self._in_offboard and self._follows and says_offboard
-        if now - self._said_at > CONTROL_MODE_LASTS or (self._in_offboard and not is_open):
-            samples = []
-        elif is_open:
-            samples += self._command(setpoint, round(t_boot * 1e6))
+        ``says_so``: the vehicle has just said over MAVLink that it is in OFFBOARD, or in our own mode."""
+        mode, fresh = self.flight_mode, now - self._said_at <= CONTROL_MODE_LASTS
+        flies = self._in_offboard if mode is None else mode.is_selected(now)
+        is_open = fresh and flies and self._follows and says_so
+        samples = self._command(setpoint, round(t_boot * 1e6)) if is_open else []
+        if mode is None and fresh and (is_open or not flies):
+            samples.insert(0, self._sample(MODE, **{FLAG[self.level]: True}))
         written = all(cdr for _, cdr in samples) and self.agent.write(samples)
-        done = written and len(samples) > 1
+        done = is_open and written
+        if done and mode is not None:
+            mode.commanded(now)
         self.agent.keeps_time = not done  # see there
         self.sent += done
-        self.withheld += not done
+        self.kept_back += flies and not done
         return done
 
-    def _send_in_own(self, mode: FlightMode, setpoint: Setpoint, t_boot: float, now: float, says_so: bool) -> bool:
-        """The same in our own mode: the command alone, and nothing before it."""
-        is_open = self._follows and says_so and mode.is_selected(now) and now - self._said_at <= CONTROL_MODE_LASTS
-        samples = self._command(setpoint, round(t_boot * 1e6)) if is_open else []
-        done = all(cdr for _, cdr in samples) and self.agent.write(samples)
-        if done:
-            mode.commanded(now)
-        self.agent.keeps_time = not done
-        self.sent += done
-        self.withheld += not done
-        return done
+    def words(self) -> list[str]:
+        """What was lost or refused so far, for people."""
+        found, counters = [], self.agent.counters
+        if counters.lost or counters.late or counters.garbage or counters.strange:
+            found.append(
+                f"XRCE: beside {counters.messages} messages of PX4's client, {counters.lost} were lost and "
+                f"{counters.late} late, {counters.garbage} datagrams made no sense and {counters.strange} came from "
+                "another session or client; they were skipped"
+            )
+        if self.agent.sessions > 1:
+            found.append(f"XRCE: PX4's client began {self.agent.sessions} sessions; look at the line between the two")
+        if self.kept_back > KEPT_BACK_USUALLY:
+            found.append(
+                f"XRCE: {self.kept_back} commands were kept back, {self.sent} sent: PX4 did not say over both of its "
+                "links, and of late, that it flies on them"
+            )
+        return found
 
     def _command(self, setpoint: Setpoint, sample: int) -> list[tuple[str, bytes]]:
         """The samples of a setpoint. ``sample``: us, PX4's stamp of the state, by which it measures its latency."""
@@ -185,7 +192,7 @@ class Commands:
     def _layout(self, topic: Topic) -> Layout | None:
         """A topic's layout. None: this PX4's is not known here, which is remembered as a refusal."""
         try:
-            return topics.layout(topic, versioned=self.agent.versioned)
+            return self.agent.layout(topic)
         except TopicError as error:
             self.refusal = str(error)
             return None

@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass, field
 
 from companion.vehicle import Mode
-from companion.xrce import topics
 from companion.xrce.agent import Agent, Sample
 
 NAMED = "Path"
@@ -86,7 +85,7 @@ class FlightMode:
         """Take in what PX4 says of modes. TopicError: in a version that is not known here."""
         if sample.topic.name not in ("vehicle_status", "register_ext_component_reply", "arming_check_request"):
             return
-        said = topics.layout(sample.topic, versioned=agent.versioned).decode(sample.cdr)
+        said = agent.layout(sample.topic).decode(sample.cdr)
         if said is None:
             return
         if sample.topic.name == "vehicle_status":
@@ -116,8 +115,7 @@ class FlightMode:
         if any(name not in agent.reading for name in NEEDS):
             return
         for name, values in samples:
-            topic = agent.reading[name].topic
-            agent.write([(name, topics.layout(topic, versioned=agent.versioned).encode(**values))])
+            agent.write([(name, agent.layout(agent.reading[name].topic).encode(**values))])
 
     def finish(self, *, completed: bool) -> None:
         """The flight is over: say how it ended, and unregister."""

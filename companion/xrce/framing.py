@@ -7,14 +7,16 @@ After the first byte 7E and 7D are sent as 7D and the byte XOR 20. There is no b
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from fastcrc.crc16 import arc
 
+from companion.xrce.agent import Counters
+
 AGENT, CLIENT = 0, 1
 """Addresses on the line, as PX4 has them."""
-FLAG, ESCAPE, TURNED = 0x7E, 0x7D, 0x20
-"""A frame's beginning; what escapes a byte; what it is then XORed with."""
+TURNED = 0x20
+"""What a byte that is escaped is XORed with."""
 LENGTH_MAX = 2048
 """bytes of a message that are waited for: PX4's have 512 at most (UXRCE_DDS_CFG's transports)."""
 _HEAD, _TAIL = 4, 2
@@ -29,10 +31,10 @@ def framed(message: bytes, source: int, destination: int) -> bytes:
 
 @dataclass(slots=True)
 class Deframer:
-    """What comes over a line for ``own`` address. ``garbage``: beginnings of frames that were none."""
+    """What comes over a line for ``own`` address. ``counters``: where frames that were none are counted."""
 
     own: int
-    garbage: int = 0
+    counters: Counters = field(default_factory=Counters)
     _pending: bytes = b""
 
     def receive(self, chunk: bytes) -> list[bytes]:
@@ -45,7 +47,7 @@ class Deframer:
             if found[-1] is None and len(last) <= 2 * LENGTH_MAX:
                 self._pending = b"\x7e" + last  # its rest is still to come
                 found.pop()
-        self.garbage += sum(not message for message in found)
+        self.counters.garbage += sum(not message for message in found)
         return [message for message in found if message]
 
     def _message(self, frame: bytes) -> bytes | None:

@@ -107,8 +107,6 @@ _STATUS = (  # its beginning: what follows differs between the versions and is o
 )
 _ATTITUDE = "yaw_sp_move_rate:f q_d:4f thrust_body:3f"
 
-EVENT = Layout("timestamp:Q id:I event_sequence:H arguments:25s log_levels:B")
-"""One of the five ``events`` of an arming_check_reply."""
 ATTITUDE_1_15 = Layout(f"timestamp:Q euler:3f {_ATTITUDE} reset_integral:? fw_control_yaw_wheel:?")
 """vehicle_attitude_setpoint of a PX4 that has no versions yet."""
 

@@ -6,7 +6,7 @@ A message is a header (session, stream, sequence) and submessages, each at a mul
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from companion.vehicle import CompanionError
@@ -103,9 +103,3 @@ def _decoded(number: int, flags: int, payload: bytes) -> Submessage:
     if value is None:
         raise WireError(f"the payload of submessage {number} makes no sense")
     return Fragment(payload, last=True) if number == Fragment.ID and flags & LAST_FRAGMENT else value
-
-
-def fragments(submessage: Submessage, size: int) -> Iterable[Fragment]:
-    """The pieces, of at most ``size`` bytes, of a submessage that does not fit into a slot."""
-    data = encode_submessage(submessage)
-    return (Fragment(data[at : at + size], at + size >= len(data)) for at in range(0, len(data), size))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from companion.xrce import objects, wire
 from companion.xrce.messages import (
@@ -11,6 +12,7 @@ from companion.xrce.messages import (
     SESSION,
     Acknack,
     CreateClient,
+    Fragment,
     GetInfo,
     Heartbeat,
     Info,
@@ -114,3 +116,9 @@ class SmallClient:
 
     def _say(self, submessage: Submessage) -> None:
         self._answers.append(Message(SESSION, NO_STREAM, 0, (submessage,)))
+
+
+def fragments(submessage: Submessage, size: int) -> Iterable[Fragment]:
+    """The pieces, of at most ``size`` bytes, of a submessage that does not fit into a slot."""
+    data = wire.encode_submessage(submessage)
+    return (Fragment(data[at : at + size], at + size >= len(data)) for at in range(0, len(data), size))

@@ -14,7 +14,7 @@ from companion.xrce.objects import Status, WriteData, topic
 from companion.xrce.topics import LAYOUTS
 from companion.xrce.wire import NO_STREAM, Message
 from tests.xrce.captured import session
-from tests.xrce.small_client import SmallClient
+from tests.xrce.small_client import SmallClient, fragments
 from trials.damaged_xrce import fuzz
 
 IN = ["offboard_control_mode", "actuator_motors", "vehicle_thrust_setpoint"]
@@ -139,7 +139,7 @@ def test_objects_that_come_in_pieces_are_made() -> None:
     agent, _, _ = replayed()
     whole = topic(500, 0x8FF, "rt/" + "n" * 60 + "/fmu/in/long", "px4_msgs::msg::dds_::Long_")
     first = max(wire.decode(each.data).sequence for each in session() if each.of_client and each.data[1] == 0x80) + 1
-    pieces: list[Fragment] = list(wire.fragments(whole, 40))
+    pieces: list[Fragment] = list(fragments(whole, 40))
     for number, piece in enumerate(pieces):
         assert agent.datagrams(30.0) == [] or number
         agent.receive(wire.encode(Message(SESSION, 0x80, first + number, (piece,))), 30.0)

@@ -15,7 +15,8 @@ from companion.vehicle import (
     TorqueSetpoint,
 )
 from companion.xrce import wire
-from companion.xrce.commands import CONTROL_MODE_LASTS, TOPICS, Commands
+from companion.xrce.agent import Counters
+from companion.xrce.commands import CONTROL_MODE_LASTS, KEPT_BACK_USUALLY, TOPICS, Commands
 from companion.xrce.messages import SESSION, THE_CLIENT, Delete, GetInfo, Timestamp
 from companion.xrce.objects import Data, Status, WriteData
 from companion.xrce.topics import LAYOUTS
@@ -114,7 +115,7 @@ def test_no_motor_command_unless_both_links_say_so(enabled: tuple[str, ...], say
     told = vehicle.told(AT, says_offboard=says_offboard)
     assert told == ([] if "offboard" in enabled else ["offboard_control_mode"]), why
     assert vehicle.commands.sent == 0
-    assert vehicle.commands.withheld == 1
+    assert vehicle.commands.kept_back == ("offboard" in enabled)
 
 
 @pytest.mark.parametrize("level", [TORQUES, RATES, ATTITUDE])
@@ -152,6 +153,19 @@ def test_while_it_is_commanded_the_client_waits_on_its_socket() -> None:
     vehicle.told(AT)
     vehicle.commands.receive(wire.encode(Message(SESSION, NO_STREAM, 0, (Timestamp(bytes(8)),))), AT)
     assert len(vehicle.commands.datagrams(AT)) == 1
+
+
+def test_what_was_lost_or_refused_is_told() -> None:
+    vehicle = Vehicle(MOTORS)
+    vehicle.commands.agent.counters = Counters()
+    assert vehicle.commands.words() == []
+    vehicle.commands.receive(b"?", AT)
+    vehicle.says(AT, "offboard", "allocation")
+    for _ in range(KEPT_BACK_USUALLY + 1):
+        vehicle.told(AT)
+    damaged, refused = vehicle.commands.words()
+    assert "1 datagrams made no sense" in damaged
+    assert f"{KEPT_BACK_USUALLY + 1} commands were kept back, 0 sent" in refused
 
 
 def test_a_topic_in_a_version_nobody_knows_is_a_refusal() -> None:

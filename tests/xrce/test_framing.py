@@ -32,7 +32,7 @@ def test_what_is_spoilt_costs_itself_alone() -> None:
     spoilt = good[:9] + b"\x55" + good[10:]
     deframer = Deframer(AGENT)
     assert deframer.receive(good[:11] + good + spoilt + framed(INFO, AGENT, CLIENT) + good) == [INFO, INFO]
-    assert deframer.garbage == 3  # one cut short, one spoilt, one for the client
+    assert deframer.counters.garbage == 3  # one cut short, one spoilt, one for the client
 
 
 def test_noise_is_no_message_and_is_not_kept() -> None:

@@ -20,6 +20,7 @@ from companion.xrce.messages import (
 )
 from companion.xrce.objects import Create, Data, Kind, ReadData, Status, WriteData
 from tests.xrce.captured import session
+from tests.xrce.small_client import fragments
 
 
 def test_every_message_of_a_real_session_is_read_and_written_back() -> None:
@@ -85,7 +86,7 @@ def test_a_submessage_in_pieces_is_the_same_whole() -> None:
     whole = objects.topic(
         11, 0x800, "rt/" + "n" * 60 + "/fmu/in/actuator_motors", "px4_msgs::msg::dds_::ActuatorMotors_"
     )
-    pieces = list(wire.fragments(whole, 48))
+    pieces = list(fragments(whole, 48))
     assert [each.last for each in pieces] == [False] * (len(pieces) - 1) + [True]
     assert all(len(each.piece) <= 48 for each in pieces)
     assert list(wire.decode_submessages(b"".join(each.piece for each in pieces))) == [whole]
