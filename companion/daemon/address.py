@@ -26,6 +26,9 @@ DATAGRAM_MAX = 65535
 BATCH_MAX = 4096
 """Datagrams that are drained before the newest state is acted on: more than the buffer holds after any stall."""
 
+EXPECTED = "expected udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD"
+"""What an address looks like."""
+
 
 class UdpPort:
     """A UDP socket. Whom it hears and talks to is decided by ``mavlink.peer``."""
@@ -100,24 +103,23 @@ def opened(url: str) -> Port:
 
 def parsed(url: str) -> Callable[[], Port]:
     """How to open an address. AddressError: it is not one."""
-    expected = "expected udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD"
     try:
         parts = urlsplit(url)
         host, port = parts.hostname, parts.port
     except ValueError:
-        raise AddressError(f"{url!r} has no port between 1 and 65535; {expected}") from None
+        raise AddressError(f"{url!r} has no port between 1 and 65535; {EXPECTED}") from None
     if parts.scheme == "serial":
         device, _, baud = (parts.netloc + parts.path).rpartition(":")
         if not device.startswith("/dev/") or not baud.isdigit():
-            raise AddressError(f"{url!r} names no device and baud rate; {expected}")
+            raise AddressError(f"{url!r} names no device and baud rate; {EXPECTED}")
         known_rate(int(baud))
         return lambda: SerialPort(device, int(baud))
     if parts.scheme not in ("udpin", "udpout") or parts.path.strip("/") or parts.query or parts.fragment:
         near = difflib.get_close_matches(url.split(":")[0], ("udpin", "udpout", "serial"), 1)
         meant = f" (did you mean {near[0]}://?)" if near and near[0] != parts.scheme else ""
-        raise AddressError(f"{url!r} is no address{meant}; {expected}")
+        raise AddressError(f"{url!r} is no address{meant}; {EXPECTED}")
     if not host or not port:
-        raise AddressError(f"{url!r} names no host and port; {expected}")
+        raise AddressError(f"{url!r} names no host and port; {EXPECTED}")
     try:
         found = socket.gethostbyname(host)
     except OSError:

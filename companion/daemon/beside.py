@@ -9,6 +9,7 @@ import math
 import select
 from collections.abc import Callable
 
+from companion.daemon.address import EXPECTED
 from companion.daemon.address import parsed as parsed_mavlink
 from companion.daemon.port import AddressError, Port
 from companion.mavlink.peer import Received, Source
@@ -29,12 +30,13 @@ class XrceLink:
         self.commands = commands
         self._peer: Source | None = None
         self._heard_at = -math.inf
-        self._deframer = Deframer(AGENT)
+        self._deframer = Deframer(AGENT, commands.agent.counters)
 
     def serve(self, now: float) -> None:
         """Take in what has come, and answer it."""
         for data, source in self.port.receive(0.0):
             if source != self._peer and now - self._heard_at < GONE_AFTER:
+                self.commands.agent.counters.strange += 1
                 continue  # one client at a time
             self._peer, self._heard_at = source, now
             for message in self._deframer.receive(data) if self.port.stream else (data,):
@@ -85,9 +87,14 @@ class Beside:
 
 def parsed(url: str) -> Callable[[], Port]:
     """How to open the address of ``--xrce``. AddressError: it is none, or it cannot be opened."""
+    expected = "expected udp://HOST:PORT or serial:///dev/NAME:BAUD"
     if not url.startswith(("udp://", "serial://")):
-        raise AddressError(f"{url!r} is no address for --xrce; expected udp://HOST:PORT or serial:///dev/NAME:BAUD")
-    opening = parsed_mavlink(url.replace("udp://", "udpin://", 1))
+        raise AddressError(f"{url!r} is no address for --xrce; {expected}")
+    listening = url.replace("udp://", "udpin://", 1)
+    try:
+        opening = parsed_mavlink(listening)
+    except AddressError as error:
+        raise AddressError(str(error).replace(listening, url).replace(EXPECTED, expected)) from None
 
     def opened() -> Port:
         try:

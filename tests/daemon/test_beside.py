@@ -111,6 +111,8 @@ def test_an_agent_that_has_the_port_is_named_with_what_to_do() -> None:
             parsed(url)()
     with pytest.raises(AddressError, match="expected udp://HOST:PORT or serial:///dev/NAME:BAUD"):
         parsed("udpin://127.0.0.1:8888")
+    with pytest.raises(AddressError, match=r"^'udp://:88' names no host and port; expected udp://HOST:PORT or serial"):
+        parsed("udp://:88")
 
 
 def test_motors_over_xrce_are_refused_until_their_price_is_accepted(tmp_path: Path) -> None:
