@@ -82,21 +82,17 @@ class ExternalModes:
 
     def register(self, asked: Fields, armed: bool) -> None:
         """register_ext_component_request. In flight only with COM_MODE_ARM_CHK, as in PX4 by default in simulation."""
+        reply = {"success": False, "arming_check_id": -1, "mode_id": -1}
+        may = not armed or self._parameters["COM_MODE_ARM_CHK"]
         taken = {each.mode for each in self._registered.values()}
         free = next((mode for mode in EXTERNAL if mode not in taken), None)
-        place = next(i for i in range(len(EXTERNAL) + 1) if i not in self._registered)
-        refused = armed and not self._parameters["COM_MODE_ARM_CHK"]
-        success = not refused and free is not None and asked["register_mode"] and asked["register_arming_check"]
-        if success and free is not None:
+        if may and free is not None and asked["register_mode"] and asked["register_arming_check"]:
+            place = next(place for place in range(len(EXTERNAL)) if place not in self._registered)
             self._registered[place] = Registration(asked["name"], free)
-        self.outbox.append((
-            "register_ext_component_reply",
-            {
-                "request_id": asked["request_id"], "name": asked["name"], "px4_ros2_api_version": API_VERSION,
-                "success": success, "arming_check_id": place if success else -1,
-                "mode_id": nav_state_of(free) if success and free is not None else -1, "mode_executor_id": -1,
-            },
-        ))  # fmt: skip
+            reply = {"success": True, "arming_check_id": place, "mode_id": nav_state_of(free)}
+        same = {"request_id": asked["request_id"], "name": asked["name"]}
+        own = {"px4_ros2_api_version": API_VERSION, "mode_executor_id": -1}
+        self.outbox.append(("register_ext_component_reply", same | own | reply))
 
     def unregister(self, asked: Fields) -> Mode | None:
         """unregister_ext_component; the mode that is gone."""

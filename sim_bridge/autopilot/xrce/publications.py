@@ -11,13 +11,14 @@ from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.xrce import samples
 from sim_bridge.autopilot.xrce.topic_table import Release, Row, TopicTable
 
-GYRO_US = samples.GYRO_US
 ESTIMATE_US = 8_000
 """us between two samples of the estimator (PX4's simulation)."""
 LOOK_US = 10_000
 """us between two looks of the commander at what has changed."""
 AGAIN_US = 500_000
 """us after which the commander tells again what has not changed."""
+STAMP = 8
+"""bytes of a stamp."""
 
 Build = Callable[[Autopilot, int], bytes]
 
@@ -50,18 +51,20 @@ class OnChange:
         self._interval_us = round(1e6 / row.rate)
         self._sent_us = -AGAIN_US
         self._looked, self._changed = -1, False
-        self._said = b""
+        self._said = self._new = b""
 
     def is_due(self, a: Autopilot, now_us: int) -> bool:
         """Whether to publish."""
         if now_us // LOOK_US != self._looked:
             self._looked = now_us // LOOK_US
-            self._changed = self.build(a, 0) != self._said
+            self._new = self.build(a, 0)
+            self._changed = self._new != self._said
         return now_us >= self._sent_us + (self._interval_us if self._changed else AGAIN_US)
 
-    def sent(self, now_us: int, said: bytes) -> None:
-        """It is published."""
-        self._sent_us, self._said, self._changed = now_us, said, False
+    def publish(self, now_us: int, stamp: int) -> bytes:
+        """What was last looked at, with its ``stamp`` (us): a message begins with it."""
+        self._sent_us, self._said, self._changed = now_us, self._new, False
+        return stamp.to_bytes(STAMP, "little") + self._new[STAMP:]
 
 
 class Publications:
@@ -73,7 +76,7 @@ class Publications:
         old = release is Release.V1_15
         local, world = (samples.LOCAL_1_15, samples.GLOBAL_1_15) if old else (samples.LOCAL, samples.GLOBAL)
         self._periodic = [
-            Periodic(rows["sensor_combined"], samples.sensor_combined, GYRO_US),
+            Periodic(rows["sensor_combined"], samples.sensor_combined, samples.GYRO_US),
             Periodic(rows["vehicle_attitude"], samples.attitude, ESTIMATE_US),
             Periodic(rows["vehicle_local_position"], partial(samples.local_position, layout=local), ESTIMATE_US),
             Periodic(rows["vehicle_global_position"], partial(samples.global_position, layout=world), ESTIMATE_US),
@@ -119,8 +122,7 @@ class Publications:
                 ready.append((periodic.row, periodic.build(a, stamp)))
         for each in self._on_change:
             if each.is_due(a, now_us):
-                each.sent(now_us, each.build(a, 0))
-                ready.append((each.row, each.build(a, stamp)))
+                ready.append((each.row, each.publish(now_us, stamp)))
         return ready
 
     def tell_time(self, observed_us: int, estimated_us: int, round_trip_us: int) -> None:

@@ -20,7 +20,6 @@ I64 = 1 << 64
 """What a negative number of 64 bits is short of as an unsigned one."""
 FRAME_NED = 1
 """VehicleOdometry's POSE_FRAME_NED and VELOCITY_FRAME_NED."""
-QUADROTOR = MAV_TYPE_QUADROTOR
 DISARMED = 1  # VehicleStatus.ARMING_STATE_DISARMED
 ARMED = 2  # VehicleStatus.ARMING_STATE_ARMED
 ROTARY_WING = 1  # VehicleStatus.vehicle_type
@@ -148,7 +147,7 @@ def status(a: Autopilot, stamp: int, layout: Layout) -> bytes:
         armed_time=round(commander.armed_at * 1e6) if commander.armed else 0,
         nav_state_user_intention=nav_state(commander.user_intended_mode), nav_state=nav_state(commander.mode),
         vehicle_type=ROTARY_WING, failsafe=commander.failsafe is not None,
-        gcs_connection_lost=commander.failsafe_flags.gcs_connection_lost, system_type=QUADROTOR, system_id=1,
+        gcs_connection_lost=commander.failsafe_flags.gcs_connection_lost, system_type=MAV_TYPE_QUADROTOR, system_id=1,
         component_id=1, pre_flight_checks_pass=commander.can_arm(a.t),
     )  # fmt: skip
 

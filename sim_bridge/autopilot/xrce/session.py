@@ -14,11 +14,10 @@ FIRST_REQUEST = 10
 
 
 class Session:
-    """``outbox``: datagrams to send, oldest first. ``stands``: the agent has answered, and not been given up since."""
+    """``outbox``: datagrams to send, oldest first."""
 
     def __init__(self) -> None:
         self.outbox: list[bytes] = []
-        self.stands = False
         self._request = FIRST_REQUEST
         self._reset()
 
