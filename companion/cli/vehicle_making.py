@@ -86,7 +86,7 @@ def _base(log: Log, file: Path, known: str | None, mass: float | None, arm: floa
     text = read(source)
     document = parse(text, str(source))
     vehicle_from(document)  # every fault of it
-    return of_file(document.data, text)
+    return of_file(document.data, document.lines, text)
 
 
 def _draw(found: Findings, plot: Path) -> None:

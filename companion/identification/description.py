@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from companion.plain_text import printable
@@ -56,10 +56,6 @@ class Description:
     entries: Mapping[str, Any]
     notes: tuple[str, ...] = field(default=())
 
-    def with_entries(self, **entries: Any) -> Description:
-        """The same with other entries."""
-        return replace(self, entries={**self.entries, **entries})
-
     @property
     def data(self) -> dict[str, Any]:
         """The values alone."""
@@ -68,7 +64,7 @@ class Description:
     @property
     def unmeasured(self) -> tuple[str, ...]:
         """The keys whose values are guesses."""
-        return tuple(key for key in KEYS if key in self.entries and _is_guess(self.entries[key]))
+        return tuple(key for key in KEYS if key in self.entries and Source.ASSUMED in _sources(self.entries[key]))
 
     @property
     def text(self) -> str:
@@ -87,30 +83,24 @@ class Description:
 _COMMENT = re.compile(rf"# ({'|'.join(source.value for source in Source)}): (.*)$")
 
 
-def of_file(data: Mapping[str, Any], text: str) -> Description:
-    """A vehicle file that is there already, by what its comments say of every value; what they do not is its owner's.
-    ``data``: what it holds."""
-    told: dict[str, list[Entry]] = {}
-    key = ""
-    for line in text.splitlines():
-        key = line.split(":")[0] if line[:1].isalpha() else key
-        found = _COMMENT.search(line)
-        if found is not None:
-            told.setdefault(key, []).append(Entry(None, Source(found[1]), found[2]))
+def of_file(data: Mapping[str, Any], lines: Mapping[tuple[str | int, ...], int], text: str) -> Description:
+    """A vehicle file that is there already, by what the comment on the line of each value says; what has none is its
+    owner's. ``data``: what ``text`` holds; ``lines``: from 1, of every key and of every row of a list in it."""
+    written = text.splitlines()
 
-    def entry(name: str, value: Any, i: int = 0) -> Entry:
-        comments = told.get(name, [])
-        return comments[i]._replace(value=value) if i < len(comments) else Entry(value, Source.GIVEN, "")
+    def entry(value: Any, *key: str | int) -> Entry:
+        told = _COMMENT.search(written[lines[key] - 1])
+        return Entry(value, Source.GIVEN, "") if told is None else Entry(value, Source(told[1]), told[2])
 
     entries: dict[str, Any] = {}
-    for name in KEYS:
-        value = data.get(name)
+    for name in (name for name in KEYS if name in data):
+        value = data[name]
         if name == "rotors":
-            entries[name] = [entry(name, row, i) for i, row in enumerate(value or ())]
+            entries[name] = [entry(row, name, i) for i, row in enumerate(value)]
         elif isinstance(value, Mapping):
-            entries[name] = {inner: entry(name, each, i) for i, (inner, each) in enumerate(value.items())}
+            entries[name] = {inner: entry(each, name, inner) for inner, each in value.items()}
         elif value is not None:
-            entries[name] = entry(name, value)
+            entries[name] = entry(value, name)
     return Description(str(data["name"]), (), entries)
 
 
@@ -137,10 +127,6 @@ def _sources(entry: Any) -> set[Source]:
     if isinstance(entry, Entry):
         return {entry.source}
     return {s for each in (entry.values() if isinstance(entry, Mapping) else entry) for s in _sources(each)}
-
-
-def _is_guess(entry: Any) -> bool:
-    return Source.ASSUMED in _sources(entry)
 
 
 def _flow(value: Any) -> str:

@@ -56,7 +56,6 @@ class ForceFit(NamedTuple):
 class _Data(NamedTuple):
     """The parts laid end to end, at the accelerometer's samples."""
 
-    parts: Sequence[Part]
     kept: list[NDArray[np.bool_]]
     force: Array
     r_nb: Array
@@ -139,9 +138,7 @@ def _laid_end_to_end(parts: Sequence[Part]) -> _Data:
         return np.concatenate([getattr(part, name)[k] for part, k in zip(parts, kept, strict=True)])
 
     blocks = np.concatenate([b[k] for b, k in zip(blocks_of(parts), kept, strict=True)])
-    return _Data(
-        parts, kept, joined("accelerometer"), joined("r_nb"), joined("v_n"), joined("volts"), blocks
-    )  # fmt: skip
+    return _Data(kept, joined("accelerometer"), joined("r_nb"), joined("v_n"), joined("volts"), blocks)
 
 
 def _correlated(residuals: Array, data: _Data) -> float:

@@ -16,11 +16,10 @@ Array = NDArray[np.float64]
 
 
 class Fitted(NamedTuple):
-    """``values`` and their standard deviations ``std``; ``rms``: of the residuals."""
+    """``values`` and their standard deviations ``std``."""
 
     values: Array
     std: Array
-    rms: float
 
 
 def fit(
@@ -44,4 +43,4 @@ def fit(
     # few blocks say little of their spread: what white residuals would give is the least
     white = inverse * float(r @ r) / max(1, len(r) - len(found.x))
     std = np.sqrt(np.maximum(np.maximum(np.diag(covariance), np.diag(white)), 0.0))
-    return Fitted(np.asarray(found.x), std, float(np.sqrt(np.mean(r * r))))
+    return Fitted(np.asarray(found.x), std)

@@ -46,13 +46,12 @@ class Found(NamedTuple):
 
 
 class AxisFit(NamedTuple):
-    """One axis. ``gain``, ``lag`` s, ``second`` s: G, L, T of the loop. ``authority``: B, rad/s^2 of a torque setpoint
+    """One axis. ``gain``, ``lag`` s: G, L of the loop. ``authority``: B, rad/s^2 of a torque setpoint
     of 1. ``motor_lag``: s. ``excitation``: rad/s, the standard deviation of the setpoint. ``model``: rad/s, of each
     part, the loop's answer by the model."""
 
     gain: Found
     lag: Found
-    second: Found
     authority: Found
     motor_lag: Found
     excitation: float
@@ -82,10 +81,10 @@ def fit_axis(parts: Sequence[Part], axis: int, gyro_cutoff: float) -> AxisFit:
         (GAIN_RANGE[0], LAG_RANGE[0], SECOND_RANGE[0], -OFFSET), (GAIN_RANGE[1], LAG_RANGE[1], SECOND_RANGE[1], OFFSET),
         (1.0, 0.1, 0.05, 0.1),
     )  # fmt: skip
-    gain, lag, second = (Found(float(v), float(s)) for v, s in zip(loop.values[:3], loop.std[:3], strict=True))
+    gain, lag = (Found(float(v), float(s)) for v, s in zip(loop.values[:2], loop.std[:2], strict=True))
     authority, motor_lag = _torque(parts, axis, gyro_cutoff, blocks, settled)
     excitation = float(np.std(np.concatenate(commands)))
-    return AxisFit(gain, lag, second, authority, motor_lag, excitation, tuple(answered(loop.values)))
+    return AxisFit(gain, lag, authority, motor_lag, excitation, tuple(answered(loop.values)))
 
 
 def blocks_of(parts: Sequence[Part]) -> list[NDArray[np.int64]]:

@@ -8,6 +8,7 @@ import pytest
 
 from companion.config.syntax.document import parse
 from companion.config.vehicle import load_vehicle, vehicle_from
+from companion.identification.description import Source, of_file
 from companion.identification.parameters import described
 from companion.vehicle import CompanionError, Spin, Vehicle
 from companion.world import Home
@@ -70,6 +71,22 @@ def test_what_the_user_measured_is_taken() -> None:
         {**REAL, **{f"CA_ROTOR{i}_P{a}": math.copysign(1.0, REAL[f"CA_ROTOR{i}_P{a}"]) for i in range(4) for a in "XY"}}
     )
     assert "the shape only" in text
+
+
+def test_a_comment_belongs_to_its_line() -> None:
+    """Whoever takes one away makes no other value a guess or a fact."""
+    text, _ = made(REAL)
+    lines = text.splitlines()
+    rotor, limit = lines.index("rotors:") + 1, lines.index("limits:") + 1
+    name = lines[limit].split(":")[0].strip()
+    for i in (rotor, limit):
+        lines[i] = lines[i].split(" #")[0]
+    read = [(parse(each, "mine.yaml"), each) for each in (text, "\n".join(lines))]
+    before, after = (dict(of_file(file.data, file.lines, each).entries) for file, each in read)
+    for entry in (after["rotors"].pop(0), after["limits"].pop(name)):
+        assert entry.source is Source.GIVEN and entry.words == ""
+    assert before["rotors"].pop(0).source is not Source.GIVEN and before["limits"].pop(name).source is not Source.GIVEN
+    assert after == before
 
 
 def test_an_old_px4_without_geometry_still_gives_a_file() -> None:

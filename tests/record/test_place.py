@@ -9,6 +9,7 @@ import socket
 import sys
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
@@ -167,7 +168,7 @@ def test_a_change_at_any_instant_of_a_write_is_kept(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(folder, "write_whole", lambda path, text: written.append(text))
     steps = [0, 0]  # taken, and the one after which the other thread comes
 
-    def trace(frame: FrameType, event: str, _: object) -> object:
+    def trace(frame: FrameType, event: str, _: object) -> Any:
         if frame.f_code is not Recorder._write_resolved.__code__:
             return None
         frame.f_trace_opcodes = True
