@@ -55,14 +55,16 @@ def with_settings(plan: Plan, changed: dict[str, float]) -> Plan:
     """The plan with some settings at other values, within their ranges. Takes as long as ``prepared``."""
     gains, limits = gains_of(plan.mission, plan.vehicle, plan.level, plan.tuning, plan.learned), plan.conduct.limits
     path, speed, yaw = (changed.get(f"PF_POLE_{name}") for name in ("PATH", "SPEED", "YAW"))
-    tuned = Gains(_poles(path, gains.h1), _poles(path, gains.h2), _poles(speed, gains.h3), _poles(yaw, gains.h4))
     floor, ceiling = changed.get("PF_FLOOR"), changed.get("PF_CEILING")
     limits = limits._replace(
         tube=changed.get("PF_TUBE", limits.tube),
         floor=limits.floor if floor is None else floor or None,
         ceiling=limits.ceiling if ceiling is None else ceiling if ceiling < NO_CEILING else None,
     )
-    mission = dataclasses.replace(plan.mission, gains=tuned)
+    mission = plan.mission
+    if path or speed or yaw:
+        tuned = Gains(_poles(path, gains.h1), _poles(path, gains.h2), _poles(speed, gains.h3), _poles(yaw, gains.h4))
+        mission = dataclasses.replace(mission, gains=tuned)
     return prepared(
         mission, plan.vehicle, plan.level, mission.placement.origin_n, plan.duration, plan.tuning,
         plan.conduct._replace(limits=limits), plan.learned,

@@ -19,7 +19,7 @@ from companion.daemon.preparing import Preparation
 from companion.daemon.state_count import StateCount
 from companion.daemon.tick import Tick, UnfinishedTick
 from companion.estimation.learned import Learned
-from companion.flight.phases import EXITS, Event, Phase
+from companion.flight.phases import EXITS, NOT_FLYING, Event, Phase
 from companion.flight.situation import Answer
 from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
@@ -36,8 +36,6 @@ from companion.vehicle import Setpoint, TorqueSetpoint, VehicleState
 
 __all__ = ["Conductor", "Orders", "Tick"]
 
-NOT_FLYING = frozenset({Phase.PREFLIGHT, Phase.STAND_BY})
-"""The phases in which a vehicle that was switched on anew is taken again."""
 ENDING = frozenset(phase for phase, exits in EXITS.items() if exits and Event.STOP not in dict(exits))
 """The phases that a stop does not end: they end the flight as it is."""
 
@@ -236,7 +234,7 @@ class Conductor:
             return
         clock = self.link.clock
         clock.may_restart = self.memory.phase in NOT_FLYING
-        self.plan = self.ground.retuned(self.plan, now, self._recorder, may=self.memory.phase in NOT_FLYING)
+        self.plan = self.ground.retuned(self.plan, now, self._recorder)
         observation = Observation(
             state, self.telemetry.status, answer, self._stop, self.link.round_trip, self._states.rate, behind,
             self.link.companions(now), self.ground.speed_scale, self._late if state is not None else 0.0, clock.rate,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from companion.flight.phases import FLOWN
+from companion.flight.phases import FLOWN, NOT_FLYING
 from companion.geodesy import LocalFrame
 from companion.mavlink.announcing import Announcer
 from companion.mavlink.codec import Frame
@@ -40,6 +40,8 @@ class GroundSide:
         self._own = OwnParameters(send, MAV_COMP_ID_ONBOARD_COMPUTER, {SPEED_SCALE: Own(1.0, 0.0, speed_scale_max)})
         self._upload: Upload | None = None
         self._applied: dict[str, float] = {}  # what the plan has, under the names of its settings
+        self._is_set = False  # whether one was set since
+        self._may_be_set = True
 
     @property
     def speed_scale(self) -> float:
@@ -51,6 +53,7 @@ class GroundSide:
         if not of_vehicle:
             note = self._own.receive(frame, system)
             if note is not None:
+                self._is_set = True
                 self._note(note)
                 self._announcer.say(note, now)
         elif self._upload is not None:
@@ -65,19 +68,21 @@ class GroundSide:
             self._own.named[name] = Own(*setting)
             self._applied[name] = setting.value
 
-    def retuned(self, plan: Plan, now: float, recorder: TickRecorder | None, *, may: bool) -> Plan:
-        """The plan with the gains and limits that were set since, where the vehicle does not fly on our setpoints
-        (``may``); else nothing of it can be set."""
-        self._own.locked = (frozenset() if may else frozenset(self._applied), SAFE_WHEN)
+    def retuned(self, plan: Plan, now: float, recorder: TickRecorder | None) -> Plan:
+        """The plan with the gains and limits that were set since the tick before."""
+        if not self._is_set:
+            return plan
+        self._is_set = False
         changed = {name: self._own.named[name].value for name, value in self._applied.items()
                    if self._own.named[name].value != value}  # fmt: skip
-        if not may or not changed:
+        if not changed:
             return plan
         try:
             plan = with_settings(plan, changed)
         except CompanionError as error:
             for name in changed:
                 self._own.named[name].value = self._applied[name]
+                self._own.tell(name)
             self._note(f"{', '.join(changed)} not taken: {error}")
             return plan
         self._applied |= changed
@@ -92,7 +97,12 @@ class GroundSide:
         self._upload = Upload(self._send, places, system)
 
     def report(self, plan: Plan, memory: Memory, outcome: Outcome, fault: bool, now: float) -> None:
-        """What a tick brought."""
+        """What a tick brought. Gains and limits may be set until the next one, if the vehicle does not fly on our
+        setpoints after this one."""
+        may_be_set = memory.phase in NOT_FLYING
+        if may_be_set is not self._may_be_set:
+            self._may_be_set = may_be_set
+            self._own.locked = (frozenset() if may_be_set else frozenset(self._applied), SAFE_WHEN)
         for note in outcome.notes:
             self._announcer.say(
                 f"path: {note.split(' -> ')[-1]}", now, MavSeverity.WARNING if fault else MavSeverity.INFO

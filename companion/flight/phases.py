@@ -145,6 +145,8 @@ TRANSITIONS: dict[tuple[Phase, Event], Phase] = {
 
 FLOWN = (Phase.SETTLE, Phase.JOIN, Phase.FOLLOW, Phase.REST)
 """The phases in which the vehicle flies on our setpoints and is meant to."""
+NOT_FLYING = frozenset({Phase.PREFLIGHT, Phase.STAND_BY})
+"""The phases in which it does not: one that was switched on anew is taken again, gains and limits may be set."""
 
 PRE_EMPTIONS: tuple[tuple[Event, dict[Phase, Phase]], ...] = (
     (Event.DISARMED_EXTERNALLY, dict.fromkeys(

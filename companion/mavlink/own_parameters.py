@@ -50,7 +50,7 @@ class OwnParameters:
             return None
         if frame.format is LIST:
             for name in self.named:
-                self._tell(name)
+                self.tell(name)
             return None
         name = values["param_id"]
         if frame.format is READ and 0 <= values["param_index"] < len(self.named):
@@ -66,10 +66,11 @@ class OwnParameters:
             else:
                 own.value = min(max(values["param_value"], own.low), own.high)
                 note = f"{name} set to {own.value:g} by the ground station"
-        self._tell(name)
+        self.tell(name)
         return note
 
-    def _tell(self, name: str) -> None:
+    def tell(self, name: str) -> None:
+        """Tell a parameter's value, asked or not."""
         index = list(self.named).index(name)
         self.send(VALUE, VALUE.values(
             param_value=self.named[name].value, param_count=len(self.named), param_index=index, param_id=name,

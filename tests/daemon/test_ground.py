@@ -7,13 +7,20 @@ from pathlib import Path
 
 import pytest
 
+from companion.config.mission.mission import load_mission
+from companion.config.vehicle import load_vehicle
+from companion.daemon.ground import GroundSide
 from companion.flight.conduct import Conduct, ControlAuthority
+from companion.flight.phases import Phase
+from companion.law.gains import Level
+from companion.law.speed_scale import SpeedScale
 from companion.mavlink.announcing import SAME_AGAIN, TEXT_PERIOD, WAITING_MAX, Announcer
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.own_parameters import Own, OwnParameters
 from companion.mavlink.upload import Place, Upload
-from companion.pilot import completed
+from companion.pilot import Outcome, begin, completed
+from companion.plan import Plan, prepared
 from companion.record.replay import load_flight, replay
 from companion.vehicle import OutputLevel
 from tests.support.flights import GROUND_STATION, Flown, Operator, flight
@@ -176,7 +183,7 @@ def test_gains_and_limits_are_set_where_nothing_flies_on_them_and_replayed(tmp_p
 
     flown = flight(
         level=OutputLevel.RATES, duration=None, conduct=Conduct(ControlAuthority.PILOT), meddle=operate,
-        record=tmp_path / "flown",
+        record=tmp_path / "flown", time_out=16.0,
     )  # fmt: skip
     plan = flown.conductor.plan
     assert plan is not None and plan.mission.gains is not None
@@ -188,6 +195,28 @@ def test_gains_and_limits_are_set_where_nothing_flies_on_them_and_replayed(tmp_p
     read = load_flight(tmp_path / "flown")
     assert [since for since, _ in read.plans[1:]] == pytest.approx([2.0, 2.1, 2.2, 10.5], abs=0.05)
     assert replay(read).difference is None
+
+
+def test_what_is_told_as_set_is_set() -> None:
+    """Also between the tick that begins to fly and the next one; and a limit that is set leaves the gains automatic."""
+    notes: list[str] = []
+    ground = GroundSide(Said(), notes.append, 1.3)
+    plan = prepared(load_mission("circle_r5", Level.RATES), load_vehicle("x500"), OutputLevel.RATES, (0.0, 0.0, 0.0))
+    ground.offer(plan)
+
+    def after_a_tick_in(phase: Phase, name: str, value: float) -> Plan:
+        quiet = Outcome(None, None, (), None, SpeedScale())
+        ground.report(plan, begin(0.0)._replace(phase=phase), quiet, False, 0.0)
+        wanted = {"param_id": name, "param_value": value, "param_type": 9}
+        ground.receive(frame("PARAM_SET", target_system=1, target_component=191, **wanted), 1, 0.0, of_vehicle=False)
+        return ground.retuned(plan, 0.0, None)
+
+    assert plan.path_pole is not None
+    assert after_a_tick_in(Phase.STAND_BY, "PF_TUBE", 3.0).path_pole == plan.path_pole
+    assert after_a_tick_in(Phase.SETTLE, "PF_POLE_PATH", 3.0) is plan
+    assert "PF_POLE_PATH stays 6: it can be set only while" in notes[-1]
+    assert after_a_tick_in(Phase.STAND_BY, "PF_POLE_PATH", 3.0).path_pole is None
+    assert ground.retuned(plan, 0.0, None) is plan
 
 
 def test_the_curve_is_drawn_on_the_map() -> None:
