@@ -52,7 +52,12 @@ def differences(vehicle: Vehicle, told: Mapping[str, float | None]) -> list[str]
 def curve_words(told: Mapping[str, float | None]) -> str:
     """What PX4 makes of a motor command, for the pilot."""
     factor = told.get(CURVE)
-    if not factor:
+    if factor is None:
+        return (
+            "PX4 does not say THR_MDL_FAC: the vehicle file takes a motor command as a share of thrust; see that the "
+            "ESC or THR_MDL_FAC makes it so"
+        )
+    if factor == 0.0:
         return (
             "THR_MDL_FAC is 0: PX4 hands a motor command to the ESC as it is, and the vehicle file takes it as a share "
             "of thrust; where the ESC is not linear in thrust, set THR_MDL_FAC"

@@ -81,7 +81,7 @@ def motors_refused(vehicle: Vehicle, direct: bool | None) -> str | None:
 
 def direct_refused(vehicle: Vehicle, level: OutputLevel, *, accepted: bool) -> str | None:
     """Why a vehicle is not flown at a level without PX4's rate loop over XRCE. ``accepted``: the user knows why."""
-    if any(rotor.command[0] < 0.0 for rotor in vehicle.rotors):
+    if level.without_rate_loop and any(rotor.command[0] < 0.0 for rotor in vehicle.rotors):
         return (
             f"the commands of {vehicle.name} go below 0, which stops a motor of PX4; fly it over MAVLink, or with "
             "--output rates or attitude"

@@ -43,6 +43,7 @@ def test_what_differs_is_named() -> None:
     ]  # fmt: skip
     assert "does not say CA_ROTOR3_KM" in differences(QUAD, AIRFRAME | {"CA_ROTOR3_KM": None})[0]
     assert "THR_MDL_FAC is 0" in curve_words(AIRFRAME)
+    assert "does not say THR_MDL_FAC" in curve_words(AIRFRAME | {"THR_MDL_FAC": None})
     assert "share of thrust, as the vehicle file" in curve_words({"THR_MDL_FAC": 0.3})
 
 
@@ -68,9 +69,10 @@ def test_what_px4_no_longer_does_is_said_and_must_be_accepted() -> None:
 
 
 def test_a_vehicle_whose_motors_pull_stays_on_mavlink() -> None:
-    """PX4 takes what is negative for "stop this motor"."""
+    """PX4 takes what is negative for "stop this motor". Rates and attitude are mixed by PX4 itself."""
     pulling = replace(QUAD, rotors=tuple(replace(rotor, command=(-1.0, 1.0)) for rotor in QUAD.rotors))
     assert "go below 0" in (direct_refused(pulling, OutputLevel.MOTORS, accepted=True) or "")
+    assert direct_refused(pulling, OutputLevel.RATES, accepted=False) is None
 
 
 def test_past_the_rate_loop_the_tilt_is_given_back_while_px4_can_catch_it() -> None:
