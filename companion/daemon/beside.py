@@ -5,7 +5,6 @@ What the client says is answered where it is heard. What is commanded goes out w
 
 from __future__ import annotations
 
-import math
 import select
 from collections.abc import Callable
 
@@ -29,18 +28,19 @@ class XrceLink:
         self.port = port
         self.commands = commands
         self._peer: Source | None = None
-        self._heard_at = -math.inf
         self._deframer = Deframer(AGENT, commands.agent.counters)
 
     def serve(self, now: float) -> None:
         """Take in what has come, and answer it."""
+        agent = self.commands.agent
         for data, source in self.port.receive(0.0):
-            if source != self._peer and now - self._heard_at < GONE_AFTER:
-                self.commands.agent.counters.strange += 1
+            if source != self._peer and now - agent.heard_at < GONE_AFTER:
+                agent.counters.strange += 1
                 continue  # one client at a time
-            self._peer, self._heard_at = source, now
             for message in self._deframer.receive(data) if self.port.stream else (data,):
                 self.commands.receive(message, now)
+            if agent.heard_at == now:
+                self._peer = source
         self.flush(now)
 
     def flush(self, now: float) -> None:

@@ -32,7 +32,7 @@ from companion.mavlink_common import MAV_COMP_ID_AUTOPILOT1
 from companion.pilot import Memory, Observation
 from companion.plan import Plan
 from companion.record.ticks import TickRecorder
-from companion.vehicle import Setpoint, TorqueSetpoint, VehicleState
+from companion.vehicle import CompanionError, Setpoint, TorqueSetpoint, VehicleState, is_finite
 
 __all__ = ["Conductor", "Orders", "Tick"]
 
@@ -45,7 +45,8 @@ class Conductor:
 
     Doors: ``receive`` and ``on_timer`` take the time (s, monotonic); ``datagrams`` gives what is to be sent; ``sent``
     is told when that is done, and may leave more of it; ``next_timer`` says when to call again. ``notes``: lines for
-    people, taken by the caller. ``xrce``: where setpoints go to PX4's XRCE client, the same doors for that link.
+    people, taken by the caller. ``xrce``: where setpoints go to PX4's XRCE client, the same doors for that
+    link. ``now``: s, the stamp of what is recorded.
     """
 
     def __init__(self, orders: Orders, recorder: TickRecorder | None, now: float, *, stream: bool = False) -> None:
@@ -75,7 +76,7 @@ class Conductor:
         self._unfinished: UnfinishedTick | None = None
         self._unrecorded: Tick | None = None
         self._recorder = recorder
-        self._now = now
+        self.now = now
         self._relay: Callable[[bytes], None] | None = None
 
     def relay(self, take: Callable[[bytes], None]) -> None:
@@ -128,7 +129,7 @@ class Conductor:
         """Read what arrived at ``now`` and act on nothing: the newest state, the last answer to a request, and how many
         states came. ``receive`` flies on it; whoever ends a flight whose pilot has failed only looks. What comes from
         elsewhere than the vehicle is counted and has no effect."""
-        self._now = now
+        self.now = now
         if self.xrce is not None and self.xrce.flight_mode is not None:
             self.telemetry.own_mode = self.xrce.flight_mode.mode
         state: VehicleState | None = None
@@ -172,7 +173,7 @@ class Conductor:
     def on_timer(self, now: float) -> None:
         """Do what is due."""
         self._conclude()
-        self._now = now
+        self.now = now
         self.link.on_timer(now)
         self.parameters.on_timer(now)
         self.payload.on_timer(now)
@@ -196,7 +197,7 @@ class Conductor:
         """The datagrams are on their way, ``latency`` s after what caused them arrived. The rest of the tick."""
         if self._recorder is not None:
             for frame in self._frames:
-                self._recorder.frame(self._now, frame)
+                self._recorder.frame(self.now, frame)
         if self._relay is not None:
             for frame in self._frames:
                 self._relay(frame)
@@ -211,10 +212,12 @@ class Conductor:
         """Forget the tick in hand: its pilot has failed."""
         self._unfinished = self._unrecorded = None
 
-    def queue(self, setpoint: Setpoint, t_boot: float) -> None:
-        """Have a setpoint sent, with the time (s, the vehicle's) of its state."""
+    def queue(self, setpoint: Setpoint, t_boot: float, now: float) -> None:
+        """Have a setpoint sent with the time (s, the vehicle's) of its state. CompanionError: it is not finite."""
+        if not is_finite(setpoint):
+            raise CompanionError(f"a setpoint that is not finite is not sent: {setpoint}")
         if self.xrce is not None:
-            self.xrce.send(setpoint, t_boot, self._now, pilot.follows_commands(self.telemetry.status, self._now))
+            self.xrce.send(setpoint, t_boot, now, pilot.follows_commands(self.telemetry.status, now))
         elif self.link.identity is not None and not isinstance(setpoint, TorqueSetpoint):
             target = (self.link.identity.system, MAV_COMP_ID_AUTOPILOT1)
             self.link.send(*setpoints.encoded(setpoint, t_boot, *target))
@@ -228,8 +231,8 @@ class Conductor:
             return  # making the plan took its time, and this state is no longer fresh
         waits = self.memory.phase is Phase.PREFLIGHT
         self.link.peers.flying = not waits
-        if waits and self.preparation.ambiguity() is not None:
-            self.preparation.refusal = self.preparation.ambiguity()
+        if waits and (ambiguity := self.preparation.ambiguity()) is not None:
+            self.preparation.refusal = ambiguity
             self.preparation.restore(now)
             return
         clock = self.link.clock
@@ -245,7 +248,7 @@ class Conductor:
         if early is None:
             self._conclude()
         else:
-            self._queue(self.memory, early.steered.setpoint)
+            self._queue(self.memory, early.steered.setpoint, now)
 
     def _conclude(self) -> None:
         """The rest of a tick, where one is left: after the send if its setpoint was early, else at once."""
@@ -254,7 +257,7 @@ class Conductor:
         (observation, early, now, before), self._unfinished = self._unfinished, None
         self.memory, outcome = pilot.supervise(self.plan, self.memory, observation, now, early)
         if early is None and outcome.setpoint is not None:
-            self._queue(self.memory, outcome.setpoint)
+            self._queue(self.memory, outcome.setpoint, now)
         if outcome.sent and outcome.request is not None and self.memory.request.asking is not None:
             self.link.requests.ask(COMMANDS[outcome.request], self.memory.request.asking.tries - 1, now)
         if outcome.actions:
@@ -269,8 +272,8 @@ class Conductor:
             self.payload.finish()
             self.preparation.restore(now)
 
-    def _queue(self, memory: Memory, setpoint: Setpoint) -> None:
-        self.queue(setpoint, memory.state.t_boot if memory.state is not None else 0.0)
+    def _queue(self, memory: Memory, setpoint: Setpoint, now: float) -> None:
+        self.queue(setpoint, memory.state.t_boot if memory.state is not None else 0.0, now)
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
         """Make the plan once the vehicle is known and has said where it is."""

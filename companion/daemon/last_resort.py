@@ -23,7 +23,7 @@ from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import Phase, Request
 from companion.flight.situation import Answer
 from companion.mavlink.peer import Received
-from companion.vehicle import Mode, VehicleState
+from companion.vehicle import Mode, Setpoint, VehicleState
 
 ASKING = 1.4
 """s for which HOLD is asked for, three times at most (``flight.asking``)."""
@@ -53,6 +53,8 @@ class LastResort:
         self.was_flying = self._ours()
         self.asked = False
         conductor.drop_tick()
+        if conductor.xrce is not None:
+            conductor.xrce.raises = False
         self._asking = Asking(Request.HOLD, Mode.OFFBOARD)
         self._answer: Answer | None = None
         self._act(now)
@@ -117,7 +119,7 @@ class LastResort:
         )
 
     def _act(self, now: float) -> None:
-        self._now = now
+        self._now = self._conductor.now = now
         since = now - self._begun
         ours = self._ours()
         status = self._conductor.telemetry.status.known(now)
@@ -143,12 +145,19 @@ class LastResort:
         if plan is None or memory is None:
             return
         state = self._state if now - self._state_at <= STATE_AGE_MAX else None
-        setpoint = self._try(lambda: plan.steering.level(state, memory.steering.memory))
-        if setpoint is None:
-            setpoint = self._try(lambda: plan.steering.level(None))
-        if setpoint is not None:
-            level = setpoint
-            self._try(lambda: self._conductor.queue(level, now if state is None else state.t_boot))
+        t_boot = now if state is None else state.t_boot
+        steering, known = plan.steering, memory.steering.memory
+        if not self._queue(lambda: steering.level(state, known), t_boot, now):
+            self._queue(lambda: steering.level(None), t_boot, now)
+
+    def _queue(self, setpoint: Callable[[], Setpoint], t_boot: float, now: float) -> bool:
+        """Have a setpoint sent that may fail to be computed; whether it is."""
+
+        def step() -> bool:
+            self._conductor.queue(setpoint(), t_boot, now)
+            return True
+
+        return self._try(step) or False
 
     def _try(self, step: Callable[[], T]) -> T | None:
         try:

@@ -1,14 +1,13 @@
 """Setpoint -> the values of its MAVLink message, one small function per encoding.
 
 Stamps are those of a state, which telemetry has bounded; a number too large for its type is clamped by the encoder.
+What is not finite is kept back before, where it is sent: ``daemon.conductor``.
 """
 
 from __future__ import annotations
 
-import math
-
 from companion.mavlink.dialect import Format, Value, message
-from companion.vehicle import AttitudeSetpoint, CompanionError, MotorSetpoint, RateSetpoint
+from companion.vehicle import AttitudeSetpoint, MotorSetpoint, RateSetpoint
 
 SET_ACTUATOR_CONTROL_TARGET = message("SET_ACTUATOR_CONTROL_TARGET")
 SET_ATTITUDE_TARGET = message("SET_ATTITUDE_TARGET")
@@ -24,21 +23,12 @@ IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
 
 def encoded(setpoint: Sendable, t_boot: float, system: int, component: int) -> tuple[Format, tuple[Value, ...]]:
-    """The message for a vehicle. ``t_boot``: s, the stamp of the state the setpoint was computed from. CompanionError:
-    a number in it is none; PX4 from 1.18 on stops the motors at a thrust that is NaN."""
-    if not math.isfinite(_sum(setpoint)):
-        raise CompanionError(f"a setpoint that is not finite is not sent: {setpoint}")
+    """The message for a vehicle. ``t_boot``: s, the stamp of the state the setpoint was computed from."""
     if isinstance(setpoint, RateSetpoint):
         return SET_ATTITUDE_TARGET, _rates(setpoint, t_boot, system, component)
     if isinstance(setpoint, AttitudeSetpoint):
         return SET_ATTITUDE_TARGET, _attitude(setpoint, t_boot, system, component)
     return SET_ACTUATOR_CONTROL_TARGET, _motors(setpoint, t_boot, system, component)
-
-
-def _sum(setpoint: Sendable) -> float:
-    if isinstance(setpoint, MotorSetpoint):
-        return sum(setpoint.commands)
-    return setpoint.thrust + sum(setpoint.rates_b if isinstance(setpoint, RateSetpoint) else setpoint.q_nb)
 
 
 def _motors(setpoint: MotorSetpoint, t_boot: float, system: int, component: int) -> tuple[Value, ...]:

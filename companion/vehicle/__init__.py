@@ -25,6 +25,7 @@ from companion.vehicle.setpoints import (
     RateSetpoint,
     Setpoint,
     TorqueSetpoint,
+    is_finite,
 )
 from companion.vehicle.state import (
     Fact,
@@ -61,4 +62,5 @@ __all__ = [
     "Vehicle",
     "VehicleState",
     "VehicleStatus",
+    "is_finite",
 ]

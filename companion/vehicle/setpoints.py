@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from typing import NamedTuple
 
 from companion.frames import Quaternion, Vec3
@@ -50,3 +51,13 @@ class AttitudeSetpoint(NamedTuple):
 
 
 Setpoint = MotorSetpoint | TorqueSetpoint | RateSetpoint | AttitudeSetpoint
+
+
+def is_finite(setpoint: Setpoint) -> bool:
+    """Whether every number in it is one. PX4 takes a NaN for "stop this motor": over XRCE, and from 1.18 on a thrust
+    over MAVLink too."""
+    match setpoint:
+        case MotorSetpoint(commands):
+            return math.isfinite(sum(commands))
+        case TorqueSetpoint(vector, thrust) | RateSetpoint(vector, thrust) | AttitudeSetpoint(vector, thrust):
+            return math.isfinite(sum(vector) + thrust)

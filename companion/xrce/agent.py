@@ -89,14 +89,16 @@ class Agent:
     """One client's agent.
 
     ``reading``: by name, the topics that PX4 reads now. ``versioned``: whether its topics have versions (see
-    ``topics.layout``). ``sessions``: how many there were. ``keeps_time``: TIMESTAMP is answered. Where it is not, once
-    a session stands, the client asks in every turn and waits for the answer on the socket, where it takes commands at
-    once rather than up to 10 ms later; its clock offset stays as it was (xrce.md, section 5).
+    ``topics.layout``). ``sessions``: how many there were. ``heard_at``: s, the last message of a client: of the
+    session, or one that begins it. ``keeps_time``: TIMESTAMP is answered.
+    Where it is not, once a session stands, the client asks in every turn and waits for the answer on the socket, where
+    it takes commands at once rather than up to 10 ms later; its clock offset stays as it was (xrce.md, section 5).
     """
 
     reading: dict[str, Reader] = field(default_factory=dict)
     versioned: bool = False
     sessions: int = 0
+    heard_at: float = -math.inf
     keeps_time: bool = True
     counters: Counters = field(default_factory=Counters)
     _session: _Session | None = None
@@ -119,12 +121,14 @@ class Agent:
         self.counters.messages += 1
         session = self._session
         if message.session == NO_SESSION or session is None or message.session != session.number:
-            self._outside(message)
-        elif message.stream == RELIABLE:
-            self._read(session.incoming.receive(message.sequence, message.submessages))
-            self._acknack = session.incoming.acknack()
-        elif message.stream == NO_STREAM or self._is_next(session, message.sequence):
-            self._read(message.submessages)
+            self._outside(message, now)
+        else:
+            self.heard_at = now
+            if message.stream == RELIABLE:
+                self._read(session.incoming.receive(message.sequence, message.submessages))
+                self._acknack = session.incoming.acknack()
+            elif message.stream == NO_STREAM or self._is_next(session, message.sequence):
+                self._read(message.submessages)
         samples, self._samples = self._samples, []
         return samples
 
@@ -163,9 +167,11 @@ class Agent:
         """s, when ``datagrams`` has something without anything coming in; inf: never."""
         return math.inf if self._session is None else self._session.outgoing.next_at
 
-    def _outside(self, message: Message) -> None:
+    def _outside(self, message: Message, now: float) -> None:
         """A client that has no session yet, or one that we do not know (any more)."""
         for each in message.submessages:
+            if isinstance(each, GetInfo | CreateClient):
+                self.heard_at = now
             if isinstance(each, GetInfo):
                 self._answer(Info(each.request, each.object, alive=False), message.session)
             elif isinstance(each, CreateClient) and each.session >= NO_SESSION:
@@ -206,7 +212,7 @@ class Agent:
                 case Delete():
                     self._delete(session, each)
                 case CreateClient():
-                    self._outside(Message(session.number, NO_STREAM, 0, (each,)))
+                    self._outside(Message(session.number, NO_STREAM, 0, (each,)), self.heard_at)
 
     def _create(self, session: _Session, made: Create) -> None:
         """Remember what a topic, a reader or a writer is called."""

@@ -54,7 +54,8 @@ class Commands:
 
     ``tap``: called with the time, whether it goes to PX4, and the bytes of each datagram. ``refusal``: why this PX4
     cannot be commanded over it. ``flight_mode``: ours, flown in the place of OFFBOARD; None: OFFBOARD. ``sent``:
-    commands so far; ``kept_back``: those that the gate kept back while PX4 said that it flies in that mode.
+    commands so far; ``kept_back``: those that the gate kept back while PX4 said that it flies in that mode. ``raises``:
+    whether what fails in here is raised; False once the last resort has begun, whose setpoints go out all the same.
     """
 
     level: OutputLevel
@@ -64,25 +65,35 @@ class Commands:
     flight_mode: FlightMode | None = None
     sent: int = 0
     kept_back: int = 0
+    raises: bool = True
     _in_offboard: bool = False
     _follows: bool = False
     _said_at: float = -math.inf
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in a datagram. Nothing is acted on: what PX4 says opens and closes the gate."""
-        if self.tap is not None:
-            self.tap(now, False, data)
-        for sample in self.agent.receive(data, now):
-            self._take(sample, now)
+        try:
+            if self.tap is not None:
+                self.tap(now, False, data)
+            for sample in self.agent.receive(data, now):
+                self._take(sample, now)
+        except Exception:
+            if self.raises:
+                raise
 
     def datagrams(self, now: float) -> list[bytes]:
         """What is to be sent at ``now``."""
-        if self.flight_mode is not None and self.refusal is None:
-            self._try(lambda mode: mode.write(self.agent, now))
-        datagrams = self.agent.datagrams(now)
-        if self.tap is not None:
-            for data in datagrams:
-                self.tap(now, True, data)
+        datagrams: list[bytes] = []
+        try:
+            if self.flight_mode is not None and self.refusal is None:
+                self._try(lambda mode: mode.write(self.agent, now))
+            datagrams = self.agent.datagrams(now)
+            if self.tap is not None:
+                for data in datagrams:
+                    self.tap(now, True, data)
+        except Exception:
+            if self.raises:
+                raise
         return datagrams
 
     def next_timer(self) -> float:

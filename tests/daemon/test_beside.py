@@ -13,6 +13,7 @@ import pytest
 from companion.daemon.address import opened
 from companion.daemon.beside import Beside, XrceLink, parsed
 from companion.daemon.port import AddressError
+from companion.mavlink.peer import Received, Source
 from companion.vehicle import MotorSetpoint, OutputLevel
 from companion.xrce.commands import Commands
 from companion.xrce.framing import AGENT, CLIENT, Deframer, framed
@@ -74,6 +75,53 @@ def test_motors_are_read_again_right_after_its_socket_was_closed_and_opened() ->
         assert time.monotonic() - closed < 0.05
     assert [name for name, _ in small.read] == [f"rt/fmu/in/{name}" for name in IN]
     beside.close()
+
+
+def test_only_a_client_takes_the_place_of_one_that_fell_silent() -> None:
+    """After 3 s of silence a ping or a new client does, whatever else comes does not; within them nobody does."""
+    port, commands = Datagrams(), Commands(OutputLevel.MOTORS)
+    here = XrceLink(port, commands)
+    (ping,) = client().datagrams(0.0)
+
+    def served(data: bytes, source: Source, now: float) -> list[Source]:
+        port.arrived, port.sent = [(data, source)], []
+        here.serve(now)
+        return [to for _, to in port.sent]
+
+    px4, stranger = ("127.0.0.1", 1), ("127.0.0.1", 2)
+    assert served(b"hello", stranger, 0.0) == []
+    assert served(ping, px4, 0.1) == [px4]
+    assert served(ping, stranger, 3.0) == []
+    assert served(b"hello", stranger, 4.0) == []
+    assert served(ping, px4, 4.1) == [px4]
+    assert served(ping, stranger, 8.0) == [stranger]
+
+
+class Datagrams:
+    """A Port of lists."""
+
+    stream = False
+    called: Source | None = None
+    exposed = False
+
+    def __init__(self) -> None:
+        self.arrived: list[Received] = []
+        self.sent: list[Received] = []
+
+    def receive(self, timeout: float) -> list[Received]:
+        return self.arrived
+
+    def send(self, data: bytes, to: Source) -> None:
+        self.sent.append((data, to))
+
+    def fileno(self) -> int:
+        return -1
+
+    def describe(self) -> str:
+        return "lists"
+
+    def close(self) -> None:
+        pass
 
 
 def test_a_serial_line_carries_the_same() -> None:

@@ -6,6 +6,7 @@ import contextlib
 import errno
 import itertools
 import json
+import math
 import os
 import shutil
 import signal
@@ -22,18 +23,33 @@ from typer.testing import CliRunner, Result
 from companion import pilot
 from companion.cli import terminal
 from companion.cli.commands import app
-from companion.daemon.conductor import Conductor
+from companion.config.mission.mission import load_mission
+from companion.config.vehicle import load_vehicle
+from companion.daemon.conductor import Conductor, Orders
+from companion.daemon.last_resort import LastResort
 from companion.daemon.loop import clock
 from companion.daemon.rhythm import Rhythm
 from companion.daemon.scribe import PERIOD, Helper, Scribe
 from companion.library import simulation as simulate
 from companion.mavlink.codec import Decoder, Frame
+from companion.mission import Origin
+from companion.plan import law_level
 from companion.record import growing
 from companion.record.folder import Recorder
 from companion.record.replay import load_flight, replay
 from companion.record.table import read_table
 from companion.record.tlog import records
-from tests.support.flights import Flown, flight, once
+from companion.vehicle import (
+    AttitudeSetpoint,
+    CompanionError,
+    MotorSetpoint,
+    OutputLevel,
+    RateSetpoint,
+    TorqueSetpoint,
+)
+from companion.xrce.agent import Agent
+from companion.xrce.commands import Commands
+from tests.support.flights import Flown, Operator, flight, once
 
 pytestmark = pytest.mark.xdist_group("real time")
 LEVEL = 82  # SET_ATTITUDE_TARGET
@@ -45,6 +61,12 @@ def sim(folder: Path, *words: str) -> Result:
         app, ["sim", "circle_r5", "--output", "rates", "--duration", "2", "--settle", "1", "--json", "--no-report",
               "--record", str(folder), *words],
     )  # fmt: skip
+
+
+def orders(over_xrce: bool) -> Orders:
+    level = OutputLevel.MOTORS
+    mission, vehicle = load_mission("circle_r5", law_level(level)), load_vehicle("sih")
+    return Orders(mission, vehicle, level, 5.0, Origin.LOCAL, over_xrce=over_xrce)
 
 
 def fail_after(monkeypatch: pytest.MonkeyPatch, owner: Any, name: str, calls: int) -> None:
@@ -131,9 +153,6 @@ def test_a_failure_on_the_ground_commands_nothing(tmp_path: Path, monkeypatch: p
 
 def test_a_failure_after_the_operator_took_over_is_not_his(monkeypatch: pytest.MonkeyPatch) -> None:
     """The pilot fails in the very moment at which the operator lands: nothing is asked for any more."""
-    from companion.daemon.last_resort import LastResort
-    from tests.support.flights import Operator
-
     flown: list[Flown] = []
     flight(
         duration=3.0,
@@ -148,6 +167,46 @@ def test_a_failure_after_the_operator_took_over_is_not_his(monkeypatch: pytest.M
         if resort.done:
             break
     assert resort.done and not resort.asked
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+@pytest.mark.parametrize("over_xrce", [False, True], ids=["MAVLink", "XRCE"])
+def test_a_setpoint_that_is_not_finite_is_never_sent(value: float, over_xrce: bool) -> None:
+    """PX4 takes a NaN for "stop this motor"."""
+    conductor = Conductor(orders(over_xrce), None, 0.0)
+    upright = (1.0, 0.0, 0.0, 0.0)
+    for setpoint in (
+        RateSetpoint((0.0, 0.0, 0.0), value), RateSetpoint((0.0, value, 0.0), 0.5), AttitudeSetpoint(upright, value),
+        AttitudeSetpoint((value, 0.0, 0.0, 0.0), 0.5), MotorSetpoint((0.5, 0.5, value, 0.5)),
+        TorqueSetpoint((0.0, 0.0, value), 0.5), TorqueSetpoint((0.0, 0.0, 0.0), value),
+    ):  # fmt: skip
+        with pytest.raises(CompanionError, match="not finite"):
+            conductor.queue(setpoint, 1.0, 0.0)
+    conductor.queue(RateSetpoint((0.1, 0.2, 0.3), 0.5), 1.0, 0.0)
+
+
+def test_the_last_resort_commands_over_xrce_by_its_own_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """PX4's word that it flies on commands is as old as it is, also where nothing arrives over MAVLink any more; and
+    what fails in XRCE takes neither HOLD nor the link's time away."""
+    flown = flight(
+        vehicle="sih", xrce=True, duration=60.0, time_out=7.0, prepare=lambda f: f.conductor.link.peers.call(0)
+    )
+    conductor, now = flown.conductor, flown.between.now
+    assert conductor.xrce is not None and conductor.xrce.sent > 0, flown.notes
+    asked: list[float] = []
+    monkeypatch.setattr(Commands, "send", lambda self, setpoint, t_boot, at, says: asked.append(at))
+    resort = LastResort(conductor, ValueError("x"), now)
+    for step in range(1, 6):
+        resort.on_timer(now + 0.02 * step)
+    assert asked == pytest.approx([now + 0.02 * step for step in range(6)])
+    monkeypatch.setattr(Agent, "receive", fail)
+    monkeypatch.setattr(Agent, "datagrams", fail)
+    conductor.xrce.receive(b"", now)
+    assert conductor.xrce.datagrams(now) == []
+
+
+def fail(*_: object) -> None:
+    raise ZeroDivisionError("XRCE")
 
 
 def test_what_fails_between_two_ticks_is_caught_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

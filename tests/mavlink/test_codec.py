@@ -11,8 +11,6 @@ from pymavlink.dialects.v20 import development as pymavlink
 
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import BY_NAME, FORMATS, Format, Value, _declare
-from companion.mavlink.setpoints import encoded
-from companion.vehicle import AttitudeSetpoint, CompanionError, MotorSetpoint, RateSetpoint
 from trials.damaged_datagrams import fuzz, random_values
 
 EXTENDED_BY_US = {"SET_ATTITUDE_TARGET", "MISSION_CURRENT", "MISSION_COUNT", "MISSION_ACK"}
@@ -182,17 +180,3 @@ def test_what_goes_on_the_wire_is_clamped_to_its_type() -> None:
     assert (frame.values[where["x"]], frame.values[where["y"]]) == (-(2**31), 2**31 - 1)
     with pytest.raises(struct.error):
         Encoder(1, 1).encode(named, (1, 2.0, "not bytes"))
-
-
-@pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_setpoint_that_is_not_finite_is_never_encoded(value: float) -> None:
-    """PX4 from 1.18 on stops the motors at a NaN thrust."""
-    upright = (1.0, 0.0, 0.0, 0.0)
-    for setpoint in (
-        RateSetpoint((0.0, 0.0, 0.0), value), RateSetpoint((0.0, value, 0.0), 0.5), AttitudeSetpoint(upright, value),
-        AttitudeSetpoint((value, 0.0, 0.0, 0.0), 0.5), MotorSetpoint((0.5, 0.5, value, 0.5)),
-    ):  # fmt: skip
-        with pytest.raises(CompanionError, match="not finite"):
-            encoded(setpoint, 1.0, 1, 1)
-    _, values = encoded(RateSetpoint((0.1, 0.2, 0.3), 0.5), 1.0, 1, 1)
-    assert values[8] == 0.5
