@@ -19,6 +19,11 @@ TWO_PI = 2.0 * math.pi
 """rad."""
 
 
+def clamped(value: float, low: float, high: float) -> float:
+    """``value`` within ``low`` and ``high``; what is no number stays none."""
+    return low if value < low else high if value > high else value
+
+
 def wrap(angle: float) -> float:
     """The same angle in [-pi, pi]."""
     return math.remainder(angle, TWO_PI)
@@ -64,6 +69,12 @@ def rotation_matrix(q: Quaternion) -> Matrix3:
         2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x),
         2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y),
     )  # fmt: skip
+
+
+def body_z_axis(q: Quaternion) -> Vec3:
+    """The body's down axis in the world: the third column of R_nb."""
+    w, x, y, z = q
+    return (2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y))
 
 
 def rotation_from_euler(psi: float, theta: float, phi: float) -> Matrix3:

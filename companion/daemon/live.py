@@ -18,7 +18,7 @@ from companion.daemon.conductor import Conductor, Tick
 from companion.daemon.scribe import Helper
 from companion.daemon.status_file import LIVE, PATH, own_directory
 from companion.frames import euler_from_rotation
-from companion.pilot import tilt_of, yaw_error
+from companion.pilot import yaw_error
 from companion.plan import Plan
 from companion.record.owned_files import READABLE, write_owned
 
@@ -40,7 +40,7 @@ def live_document(conductor: Conductor, now: float) -> dict[str, Any] | None:
             "p_n": _rounded(state.p_n),
             "v_n": _rounded(state.v_n),
             "yaw_deg": _rounded(math.degrees(euler_from_rotation(state.r_nb)[0])),
-            "tilt_deg": _rounded(math.degrees(tilt_of(state))),
+            "tilt_deg": _rounded(math.degrees(state.tilt)),
         }
         if memory.path.follow_from is not None:
             said["follow_s"] = _rounded(state.t_boot - memory.path.follow_from)
@@ -75,7 +75,7 @@ def guards(tick: Tick, plan: Plan) -> list[dict[str, Any]]:
     if memory.path.progress is not None and memory.path.reached and limits.tube is not None:
         found.append(("tube", memory.path.progress.path_error, limits.tube, "m"))
     if state is not None and limits.tilt is not None:
-        found.append(("tilt", math.degrees(tilt_of(state)), math.degrees(limits.tilt), "deg"))
+        found.append(("tilt", math.degrees(state.tilt), math.degrees(limits.tilt), "deg"))
     if state is not None and limits.ground is not None and limits.ceiling is not None:
         found.append(("ceiling", limits.ground - state.p_n[2], limits.ceiling, "m"))
     if state is not None and limits.home is not None:

@@ -6,7 +6,7 @@ import math
 
 from companion.daemon.conductor import Conductor, Tick
 from companion.daemon.orders import Orders
-from companion.pilot import tilt_of, yaw_error
+from companion.pilot import yaw_error
 from companion.record.folder import Recorder
 
 
@@ -22,7 +22,7 @@ def line(tick: Tick, rate: float, garbage: int = 0) -> str:
         parts.append(f"speed {steered.command.speed:6.2f} of {steered.command.alpha:.2f} m/s")
         parts.append(f"yaw error {math.degrees(yaw_error(steered)):6.1f} deg")
     if memory.state is not None:
-        parts.append(f"tilt {math.degrees(tilt_of(memory.state)):4.1f} deg")
+        parts.append(f"tilt {math.degrees(memory.state.tilt):4.1f} deg")
     parts.append(f"{rate:.0f} Hz")
     if garbage:
         parts.append(f"{garbage} bytes of garbage")

@@ -9,9 +9,9 @@ is not.
 from __future__ import annotations
 
 from companion.estimation.kalman import Belief, Innovation
-from companion.estimation.kalman_step import GUST, PER_AXIS, POSITION_R_MIN, VELOCITY_ERROR, WANDER
+from companion.estimation.kalman_step import DIAGONAL, DOWN, EAST, GUST, NORTH, POSITION_R_MIN, VELOCITY_ERROR, WANDER
 from companion.estimation.noise_levels import NoiseLevels
-from companion.frames import Vec3
+from companion.frames import Vec3, clamped
 
 MEASUREMENT_NOISE_TIME = 2.0
 """s over which the squares of the innovations are averaged. Engineering choice."""
@@ -40,34 +40,47 @@ Engineering choice."""
 def adapt_measurement_noise(noise: NoiseLevels, innovation: Innovation, dt: float) -> NoiseLevels:
     """The variances of the measurements, drawn to where the innovations are as large as predicted."""
     k = dt / (MEASUREMENT_NOISE_TIME * 3.0)
-    result = []
-    for kind, first in enumerate((0, 3)):
-        excess = 0.0
-        for i in range(first, first + 3):
-            residual, variance = innovation.residual[i], innovation.variance[i]
-            excess += min(residual * residual, 9.0 * variance) - variance
-        result.append(min(max((noise.position, noise.velocity)[kind] + k * excess, NOISE_MIN[kind]), NOISE_MAX[kind]))
-    return noise._replace(position=result[0], velocity=result[1])
+    position, velocity, wander, velocity_error, gust = noise
+    (x, y, z, u, v, w), (xx, yy, zz, uu, vv, ww) = innovation
+    position += k * (_excess(x, xx) + _excess(y, yy) + _excess(z, zz))
+    velocity += k * (_excess(u, uu) + _excess(v, vv) + _excess(w, ww))
+    return NoiseLevels(
+        clamped(position, NOISE_MIN[0], NOISE_MAX[0]),
+        clamped(velocity, NOISE_MIN[1], NOISE_MAX[1]),
+        wander,
+        velocity_error,
+        gust,
+    )
+
+
+def _excess(residual: float, variance: float) -> float:
+    """The square of a residual, three standard deviations of it at most, over its variance."""
+    square = residual * residual
+    return (square if square < 9.0 * variance else 9.0 * variance) - variance
 
 
 def adapt_levels(noise: NoiseLevels, belief: Belief, dt: float) -> NoiseLevels:
     """The stationary variances of U, B and W, drawn to estimate squared plus variance of the estimate."""
     k = min(1.0, dt / LEVEL_TIME)
-    level = (GUST_RANGE, GUST_RANGE, GUST_RANGE_VERTICAL)
-    return noise._replace(
-        wander=_adapted_level(noise.wander, belief, WANDER, k, (WANDER_RANGE,) * 3),
-        velocity_error=_adapted_level(noise.velocity_error, belief, VELOCITY_ERROR, k, (VELOCITY_ERROR_RANGE,) * 3),
-        gust=_adapted_level(noise.gust, belief, GUST, k, level),
+    position, velocity, wander, velocity_error, gust = noise
+    return NoiseLevels(
+        position,
+        velocity,
+        _adapted_level(wander, belief, WANDER, k, WANDER_RANGE, WANDER_RANGE),
+        _adapted_level(velocity_error, belief, VELOCITY_ERROR, k, VELOCITY_ERROR_RANGE, VELOCITY_ERROR_RANGE),
+        _adapted_level(gust, belief, GUST, k, GUST_RANGE, GUST_RANGE_VERTICAL),
     )
 
 
-Ranges = tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
+Range = tuple[float, float]
+"""Least and most."""
 
 
-def _adapted_level(level: Vec3, belief: Belief, kind: int, k: float, ranges: Ranges) -> Vec3:
-    values = []
-    for axis, (least, most) in enumerate(ranges):
-        index = PER_AXIS * axis + kind
-        value = level[axis] + k * (belief.x[index] ** 2 + belief.variance(index) - level[axis])
-        values.append(min(max(value, least), most))
-    return values[0], values[1], values[2]
+def _adapted_level(level: Vec3, belief: Belief, kind: int, k: float, horizontal: Range, vertical: Range) -> Vec3:
+    (a, b, c), (x, P) = level, belief
+    north, east, down = NORTH + kind, EAST + kind, DOWN + kind
+    return (
+        clamped(a + k * (x[north] ** 2 + P[DIAGONAL[north]] - a), *horizontal),
+        clamped(b + k * (x[east] ** 2 + P[DIAGONAL[east]] - b), *horizontal),
+        clamped(c + k * (x[down] ** 2 + P[DIAGONAL[down]] - c), *vertical),
+    )

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from companion.estimation.predictor import ForceModel, PredictedState
 from companion.estimation.rate_loop_model import STEP, active_command, thrust_transition
 from companion.estimation.translation import acceleration
-from companion.frames import Quaternion, Vec3, from_rotation_vector, multiply, normalised
+from companion.frames import Quaternion, Vec3, body_z_axis, clamped, from_rotation_vector, multiply, normalised
 
 Wrench = tuple[float, float, float, float]
 """Thrust (N) and torques about the body axes (N m)."""
@@ -78,7 +78,11 @@ def correct_body_with_gyro(body_state: BodyState, measured_b: Vec3, dt: float) -
     ip, iq, ir = measured_b[0] - p, measured_b[1] - q, measured_b[2] - r
     return body_state._replace(
         w_b=(p + near * ip, q + near * iq, r + near * ir),
-        trim=(_within(tp + far * ip), _within(tq + far * iq), _within(tr + far * ir)),
+        trim=(
+            clamped(tp + far * ip, -TRIM_MAX, TRIM_MAX),
+            clamped(tq + far * iq, -TRIM_MAX, TRIM_MAX),
+            clamped(tr + far * ir, -TRIM_MAX, TRIM_MAX),
+        ),
     )
 
 
@@ -96,12 +100,12 @@ def predict_body(
     half = 0.5 * h
     damping = 1.0 - half * forces.drag
     (x, y, z), (vx, vy, vz) = p_n, v_n
-    axis = _axis(q_nb)
+    axis = body_z_axis(q_nb)
     for k in range(steps):
         command = active_command(commands, begin + (k + 0.5) * h).wrench
         body_state, thrust, (p, q, r) = _stepped(body_state, body, command, h)
         q_nb = multiply(q_nb, from_rotation_vector((h * p, h * q, h * r)))
-        old, axis = axis, _axis(q_nb)
+        old, axis = axis, body_z_axis(q_nb)
         pull = 0.5 * forces.thrust_scale * thrust / body.mass
         thrust_n = (pull * (old[0] + axis[0]), pull * (old[1] + axis[1]), pull * (old[2] + axis[2]))
         ax, ay, az = acceleration(thrust_n, (vx, vy, vz), forces.gravity, forces.drag, forces.disturbance_n)
@@ -135,13 +139,3 @@ def _turning(w_b: Vec3, torque: Vec3, inertia: Vec3, trim: Vec3) -> Vec3:
         (torque[1] - (jx - jz) * r * p) / jy + trim[1],
         (torque[2] - (jy - jx) * p * q) / jz + trim[2],
     )
-
-
-def _axis(q_nb: Quaternion) -> Vec3:
-    """Third column of R_nb: the body's z axis in the world."""
-    w, x, y, z = q_nb
-    return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
-
-
-def _within(value: float) -> float:
-    return min(max(value, -TRIM_MAX), TRIM_MAX)

@@ -26,10 +26,11 @@ from companion.estimation.kalman import (
     reset_disturbance,
     reset_position_velocity,
 )
-from companion.estimation.kalman_step import DRAG, GUST, PER_AXIS, THRUST_SCALE, THRUST_SCALE_Q
+from companion.estimation.kalman_step import DOWN, DRAG, EAST, GUST, NORTH, THRUST_SCALE, THRUST_SCALE_Q
 from companion.estimation.noise_levels import NoiseLevels
+from companion.estimation.predictor import ForceModel
 from companion.estimation.translation import acceleration
-from companion.frames import Matrix3, Vec3
+from companion.frames import Matrix3, Vec3, clamped
 
 FREEZE_TIME = 0.4
 """s without learning of thrust scale and drag after anything the model does not know. Flights on PX4's simulated
@@ -84,6 +85,8 @@ CONVERGENCE_TIME_MIN = 0.3
 """s of flight before anything is called converged. Engineering choice."""
 
 
+ZERO: Vec3 = (0.0, 0.0, 0.0)
+"""m and m/s: no difference. By definition."""
 STANDARD_GRAVITY = 9.80665
 """m/s^2, standard gravity. By definition (CGPM 1901)."""
 
@@ -115,8 +118,7 @@ class EstimatorState(NamedTuple):
     @property
     def restrained(self) -> bool:
         """Whether something holds the vehicle."""
-        x, y, z = self.unexplained_velocity_n
-        return x * x + y * y + z * z > UNEXPLAINED_VELOCITY_MIN * UNEXPLAINED_VELOCITY_MIN
+        return _is_restrained(self.unexplained_velocity_n)
 
     @property
     def converged(self) -> bool:
@@ -154,13 +156,13 @@ def initial_estimator_state(
     return EstimatorState(belief, noise, disturbance_n)
 
 
-def predict_measurement(belief: Belief, measurement: Measurement, gravity: float) -> tuple[Vec3, Vec3]:
-    """Position (m) and velocity (m/s) as they are predicted for a measurement."""
+def predict_measurement(belief: Belief, measurement: Measurement, forces: ForceModel) -> tuple[Vec3, Vec3]:
+    """Position (m) and velocity (m/s) as they are predicted for a measurement. ``forces``: by ``belief``."""
     (px, py, pz), (vx, vy, vz), (fx, fy, fz) = belief.p_n, belief.v_n, measurement.specific_thrust_n
-    k, h = belief.thrust_scale, measurement.dt
+    k, h = forces.thrust_scale, measurement.dt
     half = 0.5 * h
     thrust_n = (k * fx, k * fy, k * fz)
-    ax, ay, az = acceleration(thrust_n, belief.v_n, gravity, belief.drag, belief.apparent_disturbance_n)
+    ax, ay, az = acceleration(thrust_n, (vx, vy, vz), forces.gravity, forces.drag, forces.disturbance_n)
     return (
         (px + h * (vx + half * ax), py + h * (vy + half * ay), pz + h * (vz + half * az)),
         (vx + h * ax, vy + h * ay, vz + h * az),
@@ -172,11 +174,12 @@ def innovation_is_small(known: EstimatorState, measurement: Measurement, p_n: Ve
     not after a jump, nor while something restrains the vehicle."""
     if measurement.jumped or known.restrained:
         return False
-    (x, y, z), (vx, vy, vz) = measurement.p_n, measurement.v_n
-    return (
-        max(abs(x - p_n[0]), abs(y - p_n[1]), abs(z - p_n[2])) < JUMP_POSITION
-        and max(abs(vx - v_n[0]), abs(vy - v_n[1]), abs(vz - v_n[2])) < JUMP_VELOCITY
-    )
+    return _are_near(measurement.p_n, p_n, JUMP_POSITION) and _are_near(measurement.v_n, v_n, JUMP_VELOCITY)
+
+
+def _are_near(a: Vec3, b: Vec3, most: float) -> bool:
+    """Whether each component of two vectors differs by less than ``most``."""
+    return -most < a[0] - b[0] < most and -most < a[1] - b[1] < most and -most < a[2] - b[2] < most
 
 
 def update_estimate(known: EstimatorState, measurement: Measurement, gravity: float) -> EstimatorState:
@@ -191,16 +194,20 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
     unexplained_velocity_n = (
         _unexplained_velocity(known, dt, specific_thrust_n, gravity, v_n) if moving else (0.0, 0.0, 0.0)
     )
-    known = known._replace(unexplained_velocity_n=unexplained_velocity_n)
-    if known.restrained:
+    if _is_restrained(unexplained_velocity_n):
         return known._replace(
             belief=reset_disturbance(known.belief, p_n, v_n, known.disturbance_lpf_n, known.noise),
             freeze_left=FREEZE_TIME,
             flight_time=flight_time,
+            unexplained_velocity_n=unexplained_velocity_n,
         )
     if jumped or _is_jump(innovation):
-        there = reset_position_velocity(known.belief, p_n, v_n, known.noise)
-        return known._replace(belief=there, freeze_left=FREEZE_TIME, flight_time=flight_time)
+        return known._replace(
+            belief=reset_position_velocity(known.belief, p_n, v_n, known.noise),
+            freeze_left=FREEZE_TIME,
+            flight_time=flight_time,
+            unexplained_velocity_n=unexplained_velocity_n,
+        )
     belief, disturbance_lpf_n, disturbance_saturated = _limit(belief, known.disturbance_lpf_n, dt, flight_time)
     noise = known.noise
     if not disturbance_saturated:
@@ -217,6 +224,11 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
         disturbance_saturated,
         unexplained_velocity_n,
     )
+
+
+def _is_restrained(unexplained_velocity_n: Vec3) -> bool:
+    x, y, z = unexplained_velocity_n
+    return x * x + y * y + z * z > UNEXPLAINED_VELOCITY_MIN * UNEXPLAINED_VELOCITY_MIN
 
 
 def _unexplained_velocity(known: EstimatorState, dt: float, specific_thrust_n: Vec3, gravity: float, v_n: Vec3) -> Vec3:
@@ -239,13 +251,14 @@ def _unexplained_velocity(known: EstimatorState, dt: float, specific_thrust_n: V
 
 def _is_jump(innovation: Innovation) -> bool:
     """Whether the innovation is that of a jump of the vehicle's own estimate."""
-    for axis, (residual, variance) in enumerate(zip(*innovation, strict=True)):
-        if (
-            abs(residual) > (JUMP_POSITION if axis < 3 else JUMP_VELOCITY)
-            and residual * residual > JUMP_SIGMAS**2 * variance
-        ):
-            return True
-    return False
+    residual, variance = innovation
+    x, y, z, u, v, w = residual
+    if _are_near((x, y, z), ZERO, JUMP_POSITION) and _are_near((u, v, w), ZERO, JUMP_VELOCITY):
+        return False
+    most = (JUMP_POSITION,) * 3 + (JUMP_VELOCITY,) * 3
+    return any(
+        abs(r) > limit and r * r > JUMP_SIGMAS**2 * v for r, v, limit in zip(residual, variance, most, strict=True)
+    )
 
 
 def _limit(belief: Belief, disturbance_lpf_n: Vec3, dt: float, flight_time: float) -> tuple[Belief, Vec3, bool]:
@@ -261,18 +274,20 @@ def _limit(belief: Belief, disturbance_lpf_n: Vec3, dt: float, flight_time: floa
         if early
         else DISTURBANCE_DEVIATION_MAX
     )
-    x = list(belief.x)
-    disturbance_saturated = off > radius
+    x, disturbance_saturated = belief.x, off > radius
     if disturbance_saturated:
         shrink = radius / off
-        for axis, beyond in enumerate((ox, oy, oz)):
-            x[PER_AXIS * axis + GUST] -= beyond * (1.0 - shrink)
+        moved = list(x)
+        for axis, beyond in ((NORTH, ox), (EAST, oy), (DOWN, oz)):
+            moved[axis + GUST] -= beyond * (1.0 - shrink)
+        x = tuple(moved)
     else:
         k = min(1.0, dt / (INITIAL_DISTURBANCE_LPF_TIME if early else DISTURBANCE_LPF_TIME))
         disturbance_lpf_n = (sx + k * ox, sy + k * oy, sz + k * oz)
-    x[THRUST_SCALE] = min(max(x[THRUST_SCALE], THRUST_SCALE_RANGE[0]), THRUST_SCALE_RANGE[1])
-    x[DRAG] = min(max(x[DRAG], DRAG_RANGE[0]), DRAG_RANGE[1])
-    return Belief(tuple(x), belief.P), disturbance_lpf_n, disturbance_saturated
+    scale, drag = clamped(x[THRUST_SCALE], *THRUST_SCALE_RANGE), clamped(x[DRAG], *DRAG_RANGE)
+    if scale != x[THRUST_SCALE] or drag != x[DRAG]:
+        x = (*x[:THRUST_SCALE], scale, drag)
+    return Belief(x, belief.P), disturbance_lpf_n, disturbance_saturated
 
 
 def _thrust_scale_q(known: EstimatorState) -> float:

@@ -31,9 +31,13 @@ from typing import NamedTuple
 from companion.estimation.kalman_step import (
     AT,
     AXES,
+    DIAGONAL,
     DISTURBANCE,
+    DOWN,
     DRAG,
+    EAST,
     GUST,
+    NORTH,
     PER_AXIS,
     POSITION,
     SIZE,
@@ -60,39 +64,47 @@ class Belief(NamedTuple):
     x: tuple[float, ...]
     P: tuple[float, ...]
 
-    def of(self, kind: int) -> Vec3:
-        """One of the six numbers of each axis."""
-        x = self.x
-        return (x[kind], x[kind + PER_AXIS], x[kind + 2 * PER_AXIS])
-
     @property
     def p_n(self) -> Vec3:
         """m, the reported position."""
-        return self.of(POSITION)
+        x = self.x
+        return (x[NORTH + POSITION], x[EAST + POSITION], x[DOWN + POSITION])
 
     @property
     def v_n(self) -> Vec3:
         """m/s, the derivative of the reported position: V + U."""
-        (a, b, c), (u, v, w) = self.of(VELOCITY), self.of(WANDER)
-        return (a + u, b + v, c + w)
+        x = self.x
+        return (
+            x[NORTH + VELOCITY] + x[NORTH + WANDER],
+            x[EAST + VELOCITY] + x[EAST + WANDER],
+            x[DOWN + VELOCITY] + x[DOWN + WANDER],
+        )
 
     @property
     def disturbance_n(self) -> Vec3:
         """m/s^2: D + W."""
-        (a, b, c), (u, v, w) = self.of(DISTURBANCE), self.of(GUST)
-        return (a + u, b + v, c + w)
+        x = self.x
+        return (
+            x[NORTH + DISTURBANCE] + x[NORTH + GUST],
+            x[EAST + DISTURBANCE] + x[EAST + GUST],
+            x[DOWN + DISTURBANCE] + x[DOWN + GUST],
+        )
 
     @property
     def apparent_disturbance_n(self) -> Vec3:
         """m/s^2, what acts on the reported motion beside thrust and the drag of its velocity V + U: D + W + c U."""
-        (a, b, c), (u, v, w), drag = self.disturbance_n, self.of(WANDER), self.drag
-        return (a + drag * u, b + drag * v, c + drag * w)
+        (a, b, c), x, drag = self.disturbance_n, self.x, self.x[DRAG]
+        return (a + drag * x[NORTH + WANDER], b + drag * x[EAST + WANDER], c + drag * x[DOWN + WANDER])
 
     @property
     def bias_n(self) -> Vec3:
         """m/s, the reported velocity minus the derivative of the reported position: B - U."""
-        (a, b, c), (u, v, w) = self.of(VELOCITY_ERROR), self.of(WANDER)
-        return (a - u, b - v, c - w)
+        x = self.x
+        return (
+            x[NORTH + VELOCITY_ERROR] - x[NORTH + WANDER],
+            x[EAST + VELOCITY_ERROR] - x[EAST + WANDER],
+            x[DOWN + VELOCITY_ERROR] - x[DOWN + WANDER],
+        )
 
     @property
     def thrust_scale(self) -> float:
@@ -106,7 +118,7 @@ class Belief(NamedTuple):
 
     def variance(self, index: int) -> float:
         """Of one number of the state."""
-        return self.P[AT[index, index]]
+        return self.P[DIAGONAL[index]]
 
 
 class Innovation(NamedTuple):

@@ -12,6 +12,8 @@ PER_AXIS = 6
 AXES = 3
 """Number of axes: north, east, down. By definition."""
 POSITION, VELOCITY, WANDER, VELOCITY_ERROR, DISTURBANCE, GUST = range(PER_AXIS)
+NORTH, EAST, DOWN = (PER_AXIS * axis for axis in range(AXES))
+"""Index of the first state of each axis."""
 THRUST_SCALE = AXES * PER_AXIS
 """Index of the thrust scale in the state. By definition."""
 DRAG = THRUST_SCALE + 1
@@ -20,6 +22,8 @@ SIZE = THRUST_SCALE + 2
 """Number of states in all. By definition."""
 UPPER = tuple((i, j) for i in range(SIZE) for j in range(i, SIZE))
 AT = {pair: index for index, pair in enumerate(UPPER)}
+DIAGONAL = tuple(AT[i, i] for i in range(SIZE))
+"""Where the variance of each state stands in the upper triangle."""
 
 WANDER_TIME = 0.5
 """s, time constant of U. Spectrum of PX4's position error on a recorded circle, sensors shaking: that of its derivative

@@ -30,30 +30,28 @@ from companion.vehicle import VehicleState
 class MotionEstimate(NamedTuple):
     """What is known of the vehicle's motion at the stamp of ``state``.
 
-    ``state``: the last one. ``gravity``: m/s^2. ``estimator``: updated with it, or with the one before where
-    ``pending`` is not None. ``p_n`` m, ``v_n`` m/s: estimated position and its derivative. ``pending``: the measurement
-    that the filter has not been updated with yet.
+    ``state``: the last one. ``estimator``: updated with it, or with the one before where ``pending`` is not None, and
+    ``forces``: as it has them. ``p_n`` m, ``v_n`` m/s: estimated position and its derivative. ``pending``: the
+    measurement that the filter has not been updated with yet.
     """
 
     state: VehicleState
-    gravity: float
     estimator: EstimatorState
+    forces: ForceModel
     p_n: Vec3
     v_n: Vec3
     pending: Measurement | None = None
 
     @property
-    def forces(self) -> ForceModel:
-        """As estimated."""
-        belief = self.estimator.belief
-        return ForceModel(belief.thrust_scale, belief.drag, belief.apparent_disturbance_n, self.gravity)
+    def gravity(self) -> float:
+        """m/s^2."""
+        return self.forces.gravity
 
 
 def begin_motion(state: VehicleState, prior: Prior, gravity: float) -> MotionEstimate:
     """Hovering, as far as anybody knows."""
     estimator = initial_estimator_state(state.p_n, state.v_n, state.r_nb, gravity, prior)
-    belief = estimator.belief
-    return MotionEstimate(state, gravity, estimator, belief.p_n, belief.v_n)
+    return _motion(state, estimator, gravity)
 
 
 def known_prior(estimate: MotionEstimate) -> Prior:
@@ -74,21 +72,29 @@ def advance_motion(
     """
     before = estimate.state
     # the thrust axis, a mean of both ends
-    old, new = before.r_nb, state.r_nb
+    (ox, oy, oz), (x, y, z) = before.z_axis_n, state.z_axis_n
     half = 0.5 * specific_thrust
-    thrust_n = (half * (old[2] + new[2]), half * (old[5] + new[5]), half * (old[8] + new[8]))
+    thrust_n = (half * (ox + x), half * (oy + y), half * (oz + z))
     measurement = Measurement(
         state.t_boot - before.t_boot, thrust_n, state.p_n, state.v_n, limited, state.resets != before.resets, moving
     )
-    p_n, v_n = predict_measurement(estimate.estimator.belief, measurement, estimate.gravity)
-    estimate = estimate._replace(state=state, p_n=p_n, v_n=v_n, pending=measurement)
-    return estimate, not innovation_is_small(estimate.estimator, measurement, p_n, v_n)
+    estimator, forces = estimate.estimator, estimate.forces
+    p_n, v_n = predict_measurement(estimator.belief, measurement, forces)
+    estimate = MotionEstimate(state, estimator, forces, p_n, v_n, measurement)
+    return estimate, not innovation_is_small(estimator, measurement, p_n, v_n)
 
 
 def learn_motion(estimate: MotionEstimate) -> MotionEstimate:
     """``estimate`` with the filter updated."""
     if estimate.pending is None:
         return estimate
-    estimator = update_estimate(estimate.estimator, estimate.pending, estimate.gravity)
+    return _motion(
+        estimate.state, update_estimate(estimate.estimator, estimate.pending, estimate.gravity), estimate.gravity
+    )
+
+
+def _motion(state: VehicleState, estimator: EstimatorState, gravity: float) -> MotionEstimate:
+    """What an estimator that was updated with ``state`` says of the motion."""
     belief = estimator.belief
-    return estimate._replace(estimator=estimator, p_n=belief.p_n, v_n=belief.v_n, pending=None)
+    forces = ForceModel(belief.thrust_scale, belief.drag, belief.apparent_disturbance_n, gravity)
+    return MotionEstimate(state, estimator, forces, belief.p_n, belief.v_n)

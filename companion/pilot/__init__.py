@@ -16,7 +16,7 @@ bit; that is what ``companion replay`` does.
 from __future__ import annotations
 
 from companion.flight.epilogue import sentence
-from companion.frames import tilt, wrap
+from companion.frames import wrap
 from companion.pilot.inputs import follows_commands
 from companion.pilot.memory import (
     WAKE_AFTER,
@@ -32,12 +32,12 @@ from companion.pilot.memory import (
 )
 from companion.pilot.tick import DT_MAX, LEVEL_FOR, compute_setpoint, step, supervise
 from companion.steering.steering import Steered
-from companion.vehicle import Mode, VehicleState
+from companion.vehicle import Mode
 
 __all__ = [
     "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "LawOutput", "Memory", "Observation", "Outcome", "Progress", "begin",
     "completed", "compute_setpoint", "epilogue", "follows_commands", "may_be_selected", "step", "supervise",
-    "tilt_of", "wake_at", "yaw_error",
+    "wake_at", "yaw_error",
 ]  # fmt: skip
 
 
@@ -52,8 +52,3 @@ def epilogue(memory: Memory, mode: Mode | None) -> str | None:
 def yaw_error(steered: Steered) -> float:
     """rad, psi - beta, wrapped."""
     return wrap(steered.command.yaw - steered.command.beta)
-
-
-def tilt_of(state: VehicleState) -> float:
-    """rad, how far the thrust axis leans."""
-    return tilt(state.r_nb)

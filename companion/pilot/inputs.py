@@ -10,7 +10,6 @@ from companion.flight.conduct import ControlAuthority
 from companion.flight.link_needs import NEEDS
 from companion.flight.phases import FLOWN, PHASES, Phase
 from companion.flight.situation import Situation
-from companion.frames import tilt
 from companion.pilot.memory import Memory, Observation
 from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining, rests
 from companion.plan import Plan
@@ -54,7 +53,7 @@ def safety_inputs(
         fence_margin=math.inf if fence is None else fence.margin(state.p_n),
         from_home=None if home is None else math.hypot(x - home[0], y - home[1]),
         above_home=None if home is None else home[2] - z,
-        tilt=tilt(state.r_nb),
+        tilt=state.tilt,
         tilt_error=0.0 if steered is None else math.acos(min(max(steered.command.aligned, -1.0), 1.0)),
         rate_error=math.dist(asked.rates_b, state.w_b) if isinstance(asked, RateSetpoint) else None,
         turning=math.hypot(*state.w_b),

@@ -56,7 +56,7 @@ def update_thrust_response(
     dt = new.t_boot - old.t_boot
     if not 0.0 < dt < GAP_MAX or new.resets != old.resets:
         return NO_RESPONSE
-    (u, v, w), (a, b, c), r = old.v_n, new.v_n, new.r_nb
+    (u, v, w), (a, b, c), (x, y, z) = old.v_n, new.v_n, new.z_axis_n
     found, begins = steered.estimates, response.known == 0.0
     drag, (north, east), scale = (
         (0.0, (0.0, 0.0), 1.0) if found is None else (found.drag, found.disturbance[:2], found.thrust_scale)
@@ -64,7 +64,7 @@ def update_thrust_response(
     air = (north, east) if begins else _towards(response.air, (north, east), dt / (AIR_TIME + dt))
     kept = scale if begins or not judged else response.scale + dt / (SCALE_TIME + dt) * (scale - response.scale)
     ax, ay = (a - u) / dt + drag * a - air[0], (b - v) / dt + drag * b - air[1]
-    made = -(ax * r[2] + ay * r[5] + ((c - w) / dt - gravity) * r[8])
+    made = -(ax * x + ay * y + ((c - w) / dt - gravity) * z)
     commanded = steered.thrust_n / mass * kept / scale
     if begins:
         return ThrustResponse(made, commanded, commanded, dt, air, kept)

@@ -8,7 +8,6 @@ from typing import Any, TypeVar
 
 from companion.flight.phases import Phase, Request
 from companion.flight.situation import Answer, Reply
-from companion.frames import tilt
 from companion.pilot import Memory, Observation, Outcome, yaw_error
 from companion.record.table import Column, Row, dtype_of
 from companion.steering.steering import Estimates
@@ -237,7 +236,7 @@ def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, 
                 yaw_error(steered),
             )
         ),
-        math.nan if state is None else tilt(state.r_nb),
+        math.nan if state is None else state.tilt,
         math.nan if steered is None else steered.governor,
         *_found(None if steered is None else steered.estimates),
         latency,

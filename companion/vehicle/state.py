@@ -6,7 +6,7 @@ import enum
 import math
 from typing import Generic, NamedTuple, TypeVar
 
-from companion.frames import Matrix3, Quaternion, Vec3, rotation_matrix
+from companion.frames import Matrix3, Quaternion, Vec3, body_z_axis, clamped, rotation_matrix
 
 
 class VehicleState(NamedTuple):
@@ -27,6 +27,16 @@ class VehicleState(NamedTuple):
     def r_nb(self) -> Matrix3:
         """The rotation matrix of ``q_nb``."""
         return rotation_matrix(self.q_nb)
+
+    @property
+    def z_axis_n(self) -> Vec3:
+        """The body's down axis in the world: the third column of ``r_nb``."""
+        return body_z_axis(self.q_nb)
+
+    @property
+    def tilt(self) -> float:
+        """rad, the angle between the body's down axis and the world's."""
+        return math.acos(clamped(body_z_axis(self.q_nb)[2], -1.0, 1.0))
 
 
 class Mode(enum.Enum):

@@ -309,7 +309,9 @@ def test_what_is_expected_is_what_the_filter_expects() -> None:
     """A measurement just there surprises nobody, and the belief stays where it was expected."""
     known = fly(level_start(), 3.0, 1.1, 0.6)
     seen = Measurement(0.01, (1.0, -2.0, 9.5), STILL, STILL)
-    p_n, v_n = predict_measurement(known.belief, seen, G)
+    belief = known.belief
+    forces = ForceModel(belief.thrust_scale, belief.drag, belief.apparent_disturbance_n, G)
+    p_n, v_n = predict_measurement(belief, seen, forces)
     bias = known.belief.bias_n
     there = seen._replace(p_n=p_n, v_n=(v_n[0] + bias[0], v_n[1] + bias[1], v_n[2] + bias[2]))
     after = update_estimate(known, there, G).belief
