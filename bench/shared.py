@@ -39,7 +39,7 @@ def stations(*ports: int) -> None:
     reads.setblocking(False)
     frame = Encoder(255, 190).message(message("COMMAND_LONG"), command=512, param1=148.0, target_system=1)
     _, peer = floods.recvfrom(65535)
-    due, heard = time.monotonic(), 0
+    due = time.monotonic()
     while True:
         due += 0.01
         for _ in range(round(0.01 * FLOOD_RATE)):
@@ -48,7 +48,6 @@ def stations(*ports: int) -> None:
         with contextlib.suppress(OSError):
             while True:
                 reads.recv(65535)
-                heard += 1
         time.sleep(max(0.0, due - time.monotonic()))
 
 

@@ -2,6 +2,7 @@
 
 python -m bench.studies cost [FLIGHTS]     dispersed circle, 60 s: core-seconds a flight, one worker beside two, memory
 python -m bench.studies waiting            eight workers whose flights only wait: how busy the engine keeps them
+python -m bench.studies tape               what numpy gains on the recorded step of the filter, flights at once or one
 python -m bench.studies kills              a scheduler and workers as processes: kill -9 of each, then of the client
 """
 

@@ -22,15 +22,14 @@ HEADER_SIZE = 512
 """bytes: room for the number of rows to grow in."""
 BLOCK = 250
 """rows written at once: a second's."""
+DTYPE = np.dtype([(name, "<f8") if width == 1 else (name, "<f8", (width,)) for name, width in COLUMNS])
+"""The layout of a row."""
 _ROW = struct.Struct(f"<{sum(width for _, width in COLUMNS)}d")
 
 
 def header(rows: int) -> bytes:
     """The header of a file with ``rows`` rows, always HEADER_SIZE bytes (NumPy format 1.0)."""
-    fields = ", ".join(
-        f"('{name}', '<f8')" if width == 1 else f"('{name}', '<f8', ({width},))" for name, width in COLUMNS
-    )
-    text = f"{{'descr': [{fields}], 'fortran_order': False, 'shape': ({rows},), }}"
+    text = f"{{'descr': {DTYPE.descr}, 'fortran_order': False, 'shape': ({rows},), }}"
     start = b"\x93NUMPY\x01\x00" + struct.pack("<H", HEADER_SIZE - 10)
     return start + text.ljust(HEADER_SIZE - 11).encode("ascii") + b"\n"
 
@@ -56,8 +55,7 @@ class TruthRows:
     @property
     def table(self) -> NDArray[np.void]:
         """The rows so far, as in the file."""
-        dtype = [(name, "<f8") if width == 1 else (name, "<f8", (width,)) for name, width in COLUMNS]
-        return np.frombuffer(b"".join(self._rows), dtype)
+        return np.frombuffer(b"".join(self._rows), DTYPE)
 
 
 class TruthFile:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from companion.mission import Mission
 from companion.profiles.yaw import TangentYaw
-from companion.vehicle import Vehicle
+from companion.vehicle import GRAVITY, Vehicle
 from companion.world import Deviations, World
 from trials.measured import Measured, course, machine, measured, world
 
@@ -34,7 +34,7 @@ class Airframe(NamedTuple):
         """What was drawn, for a table."""
         truth = self.where.truth
         p, q, r = truth.rate_gains
-        weight = self.told.thrust_max / (truth.mass or 1.0) / 9.80665
+        weight = self.told.thrust_max / (truth.mass or 1.0) / GRAVITY
         north, east, _ = self.where.wind_n
         return (
             f"{truth.mass:5.2f} kg T/W {weight:4.2f} lag {1e3 * (truth.motor_lag or 0.0):3.0f} ms drag {truth.drag:4.2f} "

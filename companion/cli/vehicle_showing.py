@@ -58,21 +58,18 @@ def rows_of(vehicle: Vehicle, learned: Learned | None) -> list[Row]:
     prior = prior_of(learned, hover, vehicle.drag)
     scale, scale_std = prior.thrust_scale
     lag = vehicle.rate_loop_lag
-    if learned is None:
-        return [
-            Row("hover thrust", "", vehicle.hover_thrust, None, None, hover / scale, hover * scale_std),
-            Row("drag", "1/s", vehicle.drag, None, None, *prior.drag),
-            Row("rate loop lag", "s", lag, None, None, lag, None),
-        ]
-    return [
+    rows = [
         Row(
-            "hover thrust", "", vehicle.hover_thrust, learned.hover_thrust, learned.hover_thrust_std, hover / scale,
-            hover / scale * scale_std / scale,
+            "hover thrust", "", vehicle.hover_thrust, learned and learned.hover_thrust,
+            learned and learned.hover_thrust_std, hover / scale, hover / scale * scale_std / scale,
         ),
-        Row("drag", "1/s", vehicle.drag, learned.drag, learned.drag_std, *prior.drag),
-        Row("rate loop lag", "s", lag, learned.rate_lag, None, learned.rate_lag, None),
-        Row("yaw loop lag", "s", None, learned.yaw_lag or None, None, learned.yaw_lag or None, None),
+        Row("drag", "1/s", vehicle.drag, learned and learned.drag, learned and learned.drag_std, *prior.drag),
+        Row("rate loop lag", "s", lag, learned and learned.rate_lag, None, learned.rate_lag if learned else lag, None),
     ]  # fmt: skip
+    if learned is not None:
+        yaw_lag = learned.yaw_lag or None
+        rows.append(Row("yaw loop lag", "s", None, yaw_lag, None, yaw_lag, None))
+    return rows
 
 
 def _cell(value: float | None, std: float | None) -> str:

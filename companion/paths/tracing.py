@@ -68,7 +68,7 @@ class _Curve:
         m1, m2 = (bb * h1 - ab * h2) / determinant, (aa * h2 - ab * h1) / determinant
         return (-m1 * a[0] - m2 * b[0], -m1 * a[1] - m2 * b[1], -m1 * a[2] - m2 * b[2])
 
-    def corrected(self, p: Vec3, reach: float) -> Vec3:
+    def project(self, p: Vec3, reach: float) -> Vec3:
         """The point of the curve next to ``p``, by Newton's method. PathError: none within ``reach``."""
         here = p
         for _ in range(60):
@@ -98,7 +98,7 @@ def traced(h: PathFunction, near: Vec3) -> ArcTable:
         curve = _Curve(_recorded(h))
     except (ValueError, ArithmeticError):
         raise PathError("is nowhere regular: the gradients of h1 and h2 are parallel or undefined everywhere") from None
-    first = here = curve.knot(curve.corrected(near, reach=1e4))
+    first = here = curve.knot(curve.project(near, reach=1e4))
     pieces: list[Piece] = []
     lengths = [0.0]
     step = _comfortable(first, 1.0)
@@ -109,7 +109,7 @@ def traced(h: PathFunction, near: Vec3) -> ArcTable:
             raise PathError(f"does not close: {followed}; expected a loop")
         closing = len(pieces) > 1 and _lies_ahead(first, here, step)
         try:
-            there = first if closing else curve.knot(curve.corrected(_ahead(here, step), reach=0.5 * step))
+            there = first if closing else curve.knot(curve.project(_ahead(here, step), reach=0.5 * step))
             piece, length, stray = _segment(curve, here, there)
             turned = math.acos(max(-1.0, min(1.0, _dot(here.tangent, there.tangent))))
             tolerance = STRAY_MAX * length + 1e-13 * math.hypot(*there.point)

@@ -39,6 +39,11 @@ def followed_series(table: Table) -> dict[str, Array]:
     return columns
 
 
+def is_rising(t: Array) -> NDArray[np.bool_]:
+    """Which times, s, are later than all before them: what may be interpolated between."""
+    return np.concatenate(([True], t[1:] > np.maximum.accumulate(t)[:-1]))
+
+
 def roll_pitch(w: Array, x: Array, y: Array, z: Array) -> tuple[Array, Array]:
     """rad, of attitudes body FRD to world NED."""
     roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))

@@ -36,18 +36,33 @@ class Column(NamedTuple):
     meaning: str
 
 
+class RowPacker:
+    """Rows of ``columns`` as bytes, of the layout ``dtype``."""
+
+    def __init__(self, columns: tuple[Column, ...]) -> None:
+        self.dtype = dtype_of(columns)
+        self._codes = [column.code for column in columns]
+        self._struct = struct.Struct("<" + "".join(self._codes))
+
+    def pack(self, row: Row) -> bytes:
+        """A row. What does not go into its column (a number too large for 32 bits) is brought to its limit."""
+        try:
+            return self._struct.pack(*row)
+        except (struct.error, OverflowError):
+            return self._struct.pack(*(_clamped(value, code) for value, code in zip(row, self._codes, strict=True)))
+
+
 class TableWriter(GrowingFile):
     """Appends rows to a .npy file. ``columns`` fix the layout.
 
-    The header counts the rows that are on the disk for certain: it is written anew only behind a sync. ``load_table``
+    The header counts the rows that are on the disk for certain: it is written anew only behind a sync. ``read_table``
     also finds the rows behind that count. The table has no holes, because a replay stands on that: once a row was lost
     it has ended.
     """
 
     def __init__(self, path: Path, columns: tuple[Column, ...]) -> None:
-        self._packer = struct.Struct("<" + "".join(column.code for column in columns))
-        self._columns = columns
-        self.dtype = dtype_of(columns)
+        self._packer = RowPacker(columns)
+        self.dtype = self._packer.dtype
         head = header(self.dtype, 0)
         self._start = len(head)
         self._counted = 0
@@ -55,7 +70,7 @@ class TableWriter(GrowingFile):
 
     def row(self, row: Row) -> None:
         """Take a row."""
-        whole = packed(self._packer, self._columns, row)
+        whole = self._packer.pack(row)
         if self.lost:
             self.lost += 1
         else:
@@ -175,15 +190,7 @@ def _unbroken(clock: NDArray[np.float64], counted: int) -> int:
     return len(late) if np.all(holds) else int(np.argmin(holds))
 
 
-def packed(packer: struct.Struct, columns: tuple[Column, ...], row: Row) -> bytes:
-    """A row as bytes. What does not go into its column (a number too large for 32 bits) is brought to its limit."""
-    try:
-        return packer.pack(*row)
-    except (struct.error, OverflowError):
-        return packer.pack(*(_fitted(value, column.code) for value, column in zip(row, columns, strict=True)))
-
-
-def _fitted(value: Any, code: str) -> Any:
+def _clamped(value: Any, code: str) -> Any:
     if code == "f" and abs(value) > FLOAT32_MAX:
         return math.copysign(math.inf, value)
     if code in _RANGES:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from typing import Protocol
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from companion.pilot import Memory, Observation, Outcome
 from companion.plan import Plan
 from companion.record import rows
-from companion.record.table import Table, dtype_of, packed
+from companion.record.table import RowPacker, Table
 
 
 class TickRecorder(Protocol):
@@ -35,8 +34,7 @@ class TickRecorder(Protocol):
 class Ticks:
     """Keeps what the summary is made of, and no frame. ``table``: as that of a flight folder."""
 
-    _packer = struct.Struct("<" + "".join(column.code for column in rows.COLUMNS))
-    _dtype = dtype_of(rows.COLUMNS)
+    _packer = RowPacker(rows.COLUMNS)
 
     def __init__(self) -> None:
         self._rows: list[bytes] = []
@@ -55,9 +53,9 @@ class Ticks:
 
     def tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
         """One tick of the pilot."""
-        self._rows.append(packed(self._packer, rows.COLUMNS, rows.row(seen, memory, outcome, now, latency)))
+        self._rows.append(self._packer.pack(rows.row(seen, memory, outcome, now, latency)))
 
     @property
     def table(self) -> Table:
         """Every tick so far."""
-        return np.frombuffer(b"".join(self._rows), self._dtype)
+        return np.frombuffer(b"".join(self._rows), self._packer.dtype)

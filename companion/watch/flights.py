@@ -52,7 +52,7 @@ class Flights:
         trails = now - self._trailed_at >= TRAIL_PERIOD
         if trails:
             self._trailed_at = now
-        return [self._parsed(pid, flight, trails) for pid, flight in sorted(self._flights.items())]
+        return [self._document(pid, flight, trails) for pid, flight in sorted(self._flights.items())]
 
     def drawing(self, pid: int) -> dict[str, Any] | None:
         """The path and the trail of one companion; None where there is none such."""
@@ -70,7 +70,7 @@ class Flights:
             found[pid] = Flight(status, path, deque(maxlen=TRAIL_POINTS) if known is None else known.trail)
         self._flights = found
 
-    def _parsed(self, pid: int, flight: Flight, trails: bool) -> dict[str, Any]:
+    def _document(self, pid: int, flight: Flight, trails: bool) -> dict[str, Any]:
         status = flight.status
         live = _read(status, LIVE) if status.running else None
         place = None if live is None else _place(live.get("p_n"))

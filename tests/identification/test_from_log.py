@@ -58,7 +58,8 @@ def test_what_it_was_flown_with_is_found_within_five_percent(found: Findings) ->
 
 
 def test_a_log_of_px4s_own_simulation_is_read(tmp_path: Path) -> None:
-    """14 s of figure8 at 2 m/s on PX4 main of March 2026, its sensors shaking. SIH integrates its motors' 50 ms by Euler's
+    """14 s of figure8 at 2 m/s at rates on PX4 main of March 2026 in its own simulation, its sensors shaking; of its log
+    the topics and parameters that identification reads, some of them thinned. SIH integrates its motors' 50 ms by Euler's
     method in steps of 4 ms: they act as 48, and turn the vehicle half a step sooner than one that is integrated exactly."""
     file = tmp_path / "px4.ulg"
     file.write_bytes(gzip.decompress((Path(__file__).parents[1] / "data" / "px4_sitl.ulg.gz").read_bytes()))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -144,47 +143,3 @@ def logged(
         prepare=logger.prepare, watch=logger.watch,
     )  # fmt: skip
     return written(file, logger.topics, of(vehicle, where.home, where.battery))
-
-
-KEPT_PARAMETERS = (
-    "CA_ROTOR", "SIH_", "MC_ROLL", "MC_PITCH", "MC_YAW", "IMU_GYRO_CUT", "IMU_ACCEL_CUT", "THR_", "MPC_THR_HOVER",
-    "MPC_TILTMAX", "FD_FAIL", "SYS_AUTOSTART", "COM_OF", "COM_OBL", "COM_RC_OV", "NAV_RCL",
-)  # fmt: skip
-"""How the names of the parameters begin that a vehicle file is made of."""
-EVERY = {
-    "vehicle_thrust_setpoint": 2, "vehicle_acceleration": 4, "vehicle_attitude": 5, "vehicle_local_position": 5,
-    "battery_status": 5,
-}  # fmt: skip
-"""Of the messages of a topic, each how manieth is kept; all of the others."""
-
-
-def cut(source: Path, begin: float, end: float, file: Path) -> Path:
-    """What identification reads of a log of PX4, from ``begin`` to ``end`` (s), small enough for a repository. So
-    tests/data/px4_sitl.ulg.gz was made: PX4 main of March 2026 in its own simulation, flown by the companion on
-    figure8 at rates; gzip -9."""
-    from pyulog import ULog
-
-    log = ULog(str(source))
-    topics: dict[str, list[Row]] = {name: [] for name in FORMATS}
-    for data in log.data_list:
-        if data.multi_id or data.name not in FORMATS:
-            continue
-        names: list[str] = []
-        for kind, name in (each.split() for each in FORMATS[data.name]):
-            many = int(kind.split("[")[1][:-1]) if "[" in kind else 0
-            names += [f"{name}[{i}]" for i in range(many)] or [name]
-        for i in range(0, len(data.data["timestamp"]), EVERY.get(data.name, 1)):
-            at = int(data.data["timestamp"][i])
-            if begin <= 1e-6 * (at - log.start_timestamp) <= end:
-                row = [
-                    int(x) if name.startswith("timestamp") else float(x)
-                    for name in names
-                    for x in (data.data[name][i],)
-                ]
-                topics[data.name].append((at, row))
-    kept = {
-        str(name): int(value) if isinstance(value, int) else float(value)
-        for name, value in log.initial_parameters.items()
-        if name.startswith(KEPT_PARAMETERS) and not re.match(r"CA_ROTOR([4-9]|1[01])_", name)
-    }
-    return written(file, topics, kept, log.msg_info_dict["ver_sw_release"])

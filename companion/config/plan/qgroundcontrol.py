@@ -11,14 +11,11 @@ from companion.config.syntax.document import Document
 from companion.config.syntax.faults import ConfigError, Fault, Key
 from companion.config.syntax.json_text import parse_json
 from companion.geodesy import Home
+from companion.mavlink_common import MAV_AUTOPILOT_GENERIC, MAV_AUTOPILOT_PX4
 from companion.plans.items import FenceArea, Item, Place, Plan
 from companion.plans.scan import StructureScan, scan_items
 
 SUFFIXES = (".plan", ".waypoints")
-FIRMWARE_PX4 = 12
-"""MAV_AUTOPILOT_PX4, as a plan's firmwareType."""
-FIRMWARE_ANY = 0
-"""MAV_AUTOPILOT_GENERIC: a plan for any firmware."""
 MULTIROTORS = frozenset({2, 13, 14, 15, 29, 35})
 """MAV_TYPE."""
 LANDING_PATTERNS = {"fwLandingPattern": "a fixed wing's landing", "vtolLandingPattern": "a VTOL's landing"}
@@ -59,7 +56,7 @@ class _Reader:
         if mission is None:
             return Plan(())
         self._version(mission, ("mission", "version"), 2)
-        if mission.get("firmwareType", FIRMWARE_PX4) not in (FIRMWARE_PX4, FIRMWARE_ANY):
+        if mission.get("firmwareType", MAV_AUTOPILOT_PX4) not in (MAV_AUTOPILOT_PX4, MAV_AUTOPILOT_GENERIC):
             notes.append("the plan was made for another autopilot than PX4")
         if mission.get("vehicleType", 2) not in MULTIROTORS:
             notes.append("the plan was made for another kind of vehicle than a multirotor")

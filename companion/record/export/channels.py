@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from companion.record.export.columns import Array
 from companion.record.export.schemas import Field
 from companion.record.series import Array as Numbers
+from companion.record.series import roll_pitch
 from companion.record.table import Table
 
 _THRUST = Field("thrust", "1", "0..1")
@@ -68,8 +69,7 @@ def _at_most(rows: Table, rate: float) -> Table:
 def euler_deg(q: Array) -> tuple[Array, Array, Array]:
     """Roll, pitch and heading in degrees of quaternions (n, 4) wxyz, body FRD to world NED."""
     w, x, y, z = q.T
-    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+    roll, pitch = roll_pitch(w, x, y, z)
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return np.degrees(roll), np.degrees(pitch), np.degrees(yaw)
 

@@ -7,6 +7,7 @@ import numpy as np
 from companion.record.export.channels import Series
 from companion.record.export.columns import CLOCK_DECIMALS, Array, as_numbers
 from companion.record.export.schemas import Field
+from companion.record.series import is_rising
 from companion.record.table import Table
 from companion.record.ulog.joined import VehicleLog
 from companion.record.ulog.topics import TOPICS, Column
@@ -22,7 +23,7 @@ def our_clock(table: Table, t_boot: Array) -> Array:
     if len(fresh) < 2:
         return np.full(len(t_boot), np.nan)
     stamps = fresh["t_boot"]
-    rising = np.concatenate(([True], stamps[1:] > np.maximum.accumulate(stamps)[:-1]))
+    rising = is_rising(stamps)
     now = np.interp(t_boot, stamps[rising], fresh["now"][rising], left=np.nan, right=np.nan)
     return np.asarray(now, dtype=float)
 

@@ -14,7 +14,7 @@ from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.marks import shade
 from companion.record.report.palette import BLUE, FAINT, INK, LINES, TRUE, VERMILION
 from companion.record.report.style import WIDTH, legend, named, plain, spanned, stacked
-from companion.record.series import FOLLOW
+from companion.record.series import FOLLOW, roll_pitch
 from companion.vehicle import OutputLevel
 
 STEADY = 1e-6
@@ -73,9 +73,7 @@ def _attitude(panel: Axes, evidence: Evidence, estimated: Series) -> None:
     roll, pitch = np.degrees(estimated["roll"]), np.degrees(estimated["pitch"])
     shown = [roll, pitch]
     if evidence.plan.level is OutputLevel.ATTITUDE:
-        w, x, y, z = (estimated[f"sent_{i}"] for i in range(4))
-        asked = np.degrees(np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)))
-        asked_pitch = np.degrees(np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0)))
+        asked, asked_pitch = map(np.degrees, roll_pitch(*(estimated[f"sent_{i}"] for i in range(4))))
         draw_curve(panel, estimated["t"], asked, INK, "setpoint", 0.8, DASHED)
         draw_curve(panel, estimated["t"], asked_pitch, INK, None, 0.8, DASHED)
         shown += [asked, asked_pitch]

@@ -98,8 +98,8 @@ class Available(NamedTuple):
     name: str
 
 
-UNSUPPORTED_MODES = tuple(Available(4, sub, 0, 2, "(Mode not available)") for sub in range(11, 19))
-"""PX4's external modes 1 to 8, which nobody has registered."""
+EXTERNAL_MODES = tuple(Available(4, sub, 0, 2, "(Mode not available)") for sub in range(11, 19))
+"""PX4's external modes 1 to 8, as long as nobody has registered them."""
 AVAILABLE = (
     Available(1, 0, 0, 1, "Manual"),
     Available(2, 0, 4, 0, ""),
@@ -121,7 +121,7 @@ AVAILABLE = (
     Available(4, 9, 0, 1, "Precision Landing"),
     Available(3, 1, 2, 1, ""),
     Available(4, 10, 0, 1, "VTOL Takeoff"),
-    *UNSUPPORTED_MODES,
+    *EXTERNAL_MODES,
 )
 """What AVAILABLE_MODES lists, in its order."""
 
