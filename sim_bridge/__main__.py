@@ -94,7 +94,7 @@ def fly(
         try:
             inputs = _inputs(vehicle, world, connect, ground_station, start, home, signing_key, xrce_agent)
             release = xrce_release if xrce or xrce_agent is not None else None
-            bridge, server = _prepared(stack, inputs, seed, speed, motors, landed, release, truth)
+            bridge, server = _prepare(stack, inputs, seed, speed, motors, landed, release, truth)
         except (CompanionError, ValueError, OSError) as error:
             print(printable_lines(str(error)), file=sys.stderr)
             raise typer.Exit(2) from None
@@ -152,7 +152,7 @@ def _inputs(
     return Inputs(machine, surroundings, begins, endpoints, key, agent)
 
 
-def _prepared(
+def _prepare(
     stack: contextlib.ExitStack, inputs: Inputs, seed: int, speed: float, motors: Motors | None, landed: bool,
     release: Release | None, truth: Path | None,
 ) -> tuple[Bridge, Server]:  # fmt: skip

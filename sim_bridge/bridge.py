@@ -146,7 +146,7 @@ class Bridge:
         """Let one step pass."""
         now_us = self._count * self._step_us
         if not self._up.is_clear:
-            for endpoint, datagram in self._up.arrived(now_us):
+            for endpoint, datagram in self._up.take_arrived(now_us):
                 self._deliver(datagram, endpoint)
         self._count += 1
         if self.world_events.any:
@@ -170,7 +170,7 @@ class Bridge:
         events.update(
             self.plant.truth.t_boot, now_us, armed=autopilot.commander.armed, offboard_flown=autopilot.offboard_flown
         )
-        alter = events.faults.altered if events.faults else None
+        alter = events.faults.alter if events.faults else None
         for link in self.links:
             link.alter = alter
         sticks = events.sticks
@@ -182,7 +182,7 @@ class Bridge:
 
     def _speak(self, speaker: Speaker, now_us: int) -> None:
         """A stranger says what is due, from his own port or from ours."""
-        for datagram in speaker.said(now_us, self.autopilot.estimate.time_us):
+        for datagram in speaker.speak(now_us, self.autopilot.estimate.time_us):
             if not speaker.who.own_port:
                 self._pass_down(COMPANION, datagram)
                 continue
@@ -216,7 +216,7 @@ class Bridge:
         """What leaves now: (endpoint, datagram), oldest first. From FIRST_STRANGER on they are the strangers', who
         send to the companion from ports of their own."""
         ready, self._leaving = self._leaving, []
-        return ready if self._down.is_clear else self._down.arrived(self._count * self._step_us) + ready
+        return ready if self._down.is_clear else self._down.take_arrived(self._count * self._step_us) + ready
 
     def _begin_in_flight(self, start: Start, world: World) -> None:
         """Put the vehicle in the air. At rest and level it is trimmed to stay there; otherwise it is as told."""

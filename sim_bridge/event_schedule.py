@@ -53,11 +53,11 @@ class EventSchedule:
         """What lasts at ``t``, plant time in s."""
         return [event for event in self._lasting if _lasts(event.when, t, marks)]
 
-    def happened(self, t: float, marks: Marks) -> list[Jump]:
+    def take_due(self, t: float, marks: Marks) -> list[Jump]:
         """What has come due since the last time it was asked, in order of time."""
-        happened = [event for event in self._due if _lasts(event.when._replace(end=math.inf), t, marks)]
-        self._due = [event for event in self._due if event not in happened]
-        return sorted(happened, key=lambda event: event.when.begin)
+        due = [event for event in self._due if _lasts(event.when._replace(end=math.inf), t, marks)]
+        self._due = [event for event in self._due if event not in due]
+        return sorted(due, key=lambda event: event.when.begin)
 
 
 def _lasts(when: When, t: float, marks: Marks) -> bool:

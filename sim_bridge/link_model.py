@@ -80,7 +80,7 @@ class LinkWay:
         passing: list[InTransit] = [(0, datagram)]
         for effect in self._effects:
             if endpoint in effect.endpoints:
-                passing = [after for sent in passing for after in effect.passed(sent, now_us)]
+                passing = [after for sent in passing for after in effect.pass_on(sent, now_us)]
         for later_us, data in passing:
             if way.loss and draw() < way.loss:
                 continue
@@ -96,7 +96,7 @@ class LinkWay:
             if way.duplicated and draw() < way.duplicated:
                 self._queue_at(at_us + self._duplicate_us, endpoint, data)
 
-    def arrived(self, now_us: int) -> list[tuple[int, bytes]]:
+    def take_arrived(self, now_us: int) -> list[tuple[int, bytes]]:
         """What has arrived by now: (endpoint, datagram), in the order it did."""
         queue = self._queue
         ready = []
@@ -119,7 +119,7 @@ class LinkWay:
                 (endpoint, piece) for piece in cutter.cut(datagram, now_us)
             ]  # fmt: skip
         for endpoint, cutter in list(self._cutters.items()):
-            pieces += [(endpoint, piece) for piece in cutter.flushed(now_us)]
+            pieces += [(endpoint, piece) for piece in cutter.flush(now_us)]
             if not cutter.size and not cutter.left:
                 del self._cutters[endpoint]
         return pieces
@@ -141,7 +141,7 @@ class Effect:
         """Whether it holds everything up, so that nothing may overtake what was sent while it lasted."""
         return isinstance(self.event, LinkDelay) and not self._messages
 
-    def passed(self, sent: InTransit, now_us: int) -> Sequence[InTransit]:
+    def pass_on(self, sent: InTransit, now_us: int) -> Sequence[InTransit]:
         """What becomes of a datagram."""
         event, (later_us, datagram) = self.event, sent
         kind = message_id(datagram)
@@ -184,7 +184,7 @@ class Recutter:
             self._since_us = now_us
         return [stream[at : at + size] for at in range(0, full, size)]
 
-    def flushed(self, now_us: int) -> list[bytes]:
+    def flush(self, now_us: int) -> list[bytes]:
         """What has waited long enough."""
         if not self.left or (self.size and now_us - self._since_us < self._wait_us):
             return []

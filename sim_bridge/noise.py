@@ -14,7 +14,7 @@ import numpy as np
 Draw = Callable[[], float]
 """The next number of a standard normal distribution."""
 DRAWN_AT_ONCE = 1024
-"""random numbers drawn at a time, which is cheaper than one by one."""
+"""random numbers draws at a time, which is cheaper than one by one."""
 
 
 class RandomStream(enum.IntEnum):
@@ -30,12 +30,12 @@ class RandomStream(enum.IntEnum):
 def normals(seed: int, cause: RandomStream) -> Draw:
     """A source of normal numbers, the same for the same seed."""
 
-    def drawn() -> Iterator[float]:
+    def draws() -> Iterator[float]:
         generator = np.random.default_rng((abs(seed), seed < 0, cause))
         while True:
             yield from generator.standard_normal(DRAWN_AT_ONCE).tolist()
 
-    return drawn().__next__
+    return draws().__next__
 
 
 class FirstOrder:

@@ -149,7 +149,9 @@ class Plant:
             self._a_n = STILL
             return
         self._on_ground = False
-        after = self._advance(motion, thrusts, wind_n, self._given(), self._turn(wanted) if self._spins else 0.0)
+        after = self._advance(
+            motion, thrusts, wind_n, self._outer_acceleration(), self._turn(wanted) if self._spins else 0.0
+        )
         if abs(after[10]) > BODY_RATE_MAX or abs(after[11]) > BODY_RATE_MAX or abs(after[12]) > BODY_RATE_MAX:
             p, q, r = (max(-BODY_RATE_MAX, min(BODY_RATE_MAX, rate)) for rate in after[10:])
             after = (*after[:10], p, q, r)
@@ -167,7 +169,7 @@ class Plant:
         lift = sum(self._thrusts) * environment.cosine_of_tilt(self._motion) - self.push_n[2]
         return lift > self.vehicle.weight
 
-    def _given(self) -> Vec3:
+    def _outer_acceleration(self) -> Vec3:
         """What accelerates beside rotors and air: gravity and pushes, m/s^2."""
         g = self.vehicle.gravity
         if self.push_n is STILL:

@@ -118,7 +118,7 @@ class Server:
         self._xrce: list[socket.socket] = []  # none or one
         for endpoint in endpoints:
             try:
-                self._sockets.append(_bound(endpoint.bind))
+                self._sockets.append(_bind(endpoint.bind))
             except OSError as error:
                 self.close()
                 host, port = endpoint.bind
@@ -127,7 +127,7 @@ class Server:
             to = "whoever calls" if endpoint.peer is None else "{}:{}".format(*endpoint.peer)
             log(f"{name}: from {':'.join(map(str, bound.getsockname()))} to {to}")
         if bridge.xrce is not None:
-            self._xrce.append(_bound((LOOPBACK if agent[0].startswith("127.") else "0.0.0.0", 0)))
+            self._xrce.append(_bind((LOOPBACK if agent[0].startswith("127.") else "0.0.0.0", 0)))
             log("XRCE client: to {}:{}".format(*agent))
 
     @property
@@ -209,7 +209,7 @@ class Server:
     def _stranger(self, endpoint: int) -> socket.socket:
         """The socket of a stranger with a port of his own."""
         if endpoint not in self._strangers:
-            self._strangers[endpoint] = _bound((self._sockets[0].getsockname()[0], 0))
+            self._strangers[endpoint] = _bind((self._sockets[0].getsockname()[0], 0))
         return self._strangers[endpoint]
 
     def _dial(self) -> None:
@@ -217,7 +217,7 @@ class Server:
         self._dialled = self._bridge.ports_dialled
         host = self._sockets[0].getsockname()[0]
         self._sockets[0].close()
-        self._sockets[0] = _bound((host, 0))
+        self._sockets[0] = _bind((host, 0))
         self._log(f"{self._bridge.now:.2f} s: companion: from {host}:{self._sockets[0].getsockname()[1]} now")
 
     def _timing(self, begun: float, begun_at: float) -> str:
@@ -232,7 +232,7 @@ class Server:
         self._bridge.log.clear()
 
 
-def _bound(address: Address) -> socket.socket:
+def _bind(address: Address) -> socket.socket:
     made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)

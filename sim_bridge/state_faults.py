@@ -65,14 +65,14 @@ class StateFaults:
     def __bool__(self) -> bool:
         return bool(self._faults)
 
-    def set(self, faults: Iterable[StateFault]) -> None:
+    def use(self, faults: Iterable[StateFault]) -> None:
         """These are at work from now on. One that was already keeps what it remembers."""
         before, self._faults = self._faults, tuple(faults)
         if self._faults != before:
             known = set(map(id, self._faults))
             self._kept = {key: kept for key, kept in self._kept.items() if key[0] in known}
 
-    def altered(self, msgid: int, values: Values) -> Values | None:
+    def alter(self, msgid: int, values: Values) -> Values | None:
         """What becomes of a message; None: it is not sent."""
         for fault in self._faults:
             if isinstance(fault, Silence):

@@ -44,7 +44,7 @@ class Speaker:
         self._encoder = Encoder(who.system, who.component)
         self._due_us = dict.fromkeys(sorted(who.says, key=lambda saying: saying.value), 0)
 
-    def said(self, now_us: int, boot_us: int) -> list[bytes]:
+    def speak(self, now_us: int, boot_us: int) -> list[bytes]:
         """The datagrams due at ``now_us`` of the bridge's clock; ``boot_us``: what its stamps say."""
         due = [saying for saying, at_us in self._due_us.items() if at_us <= now_us]
         for saying in due:

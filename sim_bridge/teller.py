@@ -33,7 +33,7 @@ class Teller:
                     self._texts_left, self._tell_again_at = TEXTS, now + TEXTS_PERIOD
                 if self._texts_left > 0:
                     self._texts_left -= 1
-                    autopilot.events.happened(
+                    autopilot.events.keep_text(
                         text, autopilot.estimate.time_us, commander.user_intended_mode, commander.mode
                     )  # fmt: skip
                     for link in self._links:

@@ -83,7 +83,7 @@ class WorldEvents:
             self._marks = self._marks._replace(armed=t)
         if offboard_flown and self._marks.offboard is None:
             self._marks = self._marks._replace(offboard=t)
-        for event in self._schedule.happened(t, self._marks):
+        for event in self._schedule.take_due(t, self._marks):
             if isinstance(event, EstimatorReset):
                 self._reach.sensors.reset(event)
             elif isinstance(event, ClockJump):
@@ -107,7 +107,7 @@ class WorldEvents:
         plant.is_held = any(isinstance(event, Hold) for event in lasting)
         failures = [event for event in lasting if isinstance(event, MotorFailure)]
         plant.left = _left(failures) if failures else None
-        self.faults.set(event for event in lasting if isinstance(event, StateFault))
+        self.faults.use(event for event in lasting if isinstance(event, StateFault))
         on_link = [event for event in lasting if isinstance(event, LinkEvent)]
         self._reach.down.set_events([(event, _endpoints(event)) for event in on_link if event.down], now_us)
         self._reach.up.set_events([(event, _endpoints(event)) for event in on_link if event.up], now_us)

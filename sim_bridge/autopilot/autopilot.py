@@ -186,8 +186,8 @@ class Autopilot:
     def observe(self, estimate: Estimate, truth: Truth) -> None:
         """What the sensors say after the step."""
         if estimate.resets != self.estimate.resets:
-            self.guidance.jumped(estimate)
-            self.cascade.jumped(self.estimate.q_nb, estimate.q_nb)
+            self.guidance.notice_reset(estimate)
+            self.cascade.notice_reset(self.estimate.q_nb, estimate.q_nb)
         self.estimate = estimate
         self.truth = truth
         self._stands = truth.on_ground  # felt by the legs; nothing else of the truth is used
@@ -202,8 +202,8 @@ class Autopilot:
         if isinstance(self.setpoint, PAST_THE_LOOPS):
             contact = self._stillness.update(self.t, estimate, self.cascade.thrust) or contact
         commander.notice_landing(self._landing.update(self.t, contact, throttle), self.t)
-        if not commander.landed and self.guidance.takeoff_is_over(estimate):
-            commander.takeoff_is_over()
+        if not commander.landed and self.guidance.has_taken_off(estimate):
+            commander.finish_takeoff()
         rates_alone = isinstance(self.setpoint, BELOW_ATTITUDE)
         self.checks.update(SUPERVISION_US * 1e-6, self.t, estimate, self.home_position.p_n, rates_alone)
         self.mission_watch.update(estimate, self.t)
@@ -216,7 +216,7 @@ class Autopilot:
         """An offboard setpoint. Motor commands count only where the vehicle takes them."""
         if isinstance(setpoint, MotorSetpoint) and not self.direct:
             return
-        self.commander.setpoint_arrived(self.t)
+        self.commander.notice_setpoint(self.t)
         self.offboard_flight.topics.level = None
         if self.commander.armed and self.commander.mode is Mode.OFFBOARD:
             self.offboard_flight.take(setpoint)
@@ -225,7 +225,7 @@ class Autopilot:
     def take_offboard_mode(self, level: Level | None, at: float) -> None:
         """offboard_control_mode is written, by its own account at ``at`` (s). None: it asks for nothing."""
         self.offboard_flight.topics.level = level
-        self.commander.setpoint_arrived(-math.inf if level is None else at)
+        self.commander.notice_setpoint(-math.inf if level is None else at)
         self._take_topics()
 
     def write(self, written: TopicSetpoint) -> None:
@@ -245,7 +245,7 @@ class Autopilot:
         self.commander.throttle = position.throttle
         self.commander.failsafe_flags.manual_control_signal_lost = self.sticks.is_lost(self.t)
         if self.sticks.have_moved():
-            self.commander.sticks_moved(self.t)
+            self.commander.notice_sticks(self.t)
 
     def request_mode(self, mode: Mode, aloud: bool = True) -> MavResult:
         """Somebody asks for a mode. ``aloud``: a refusal is told in words."""

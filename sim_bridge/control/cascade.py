@@ -120,7 +120,7 @@ class Cascade:
             self._smoothed = smoothed(self._smoothed, attitude, heading_rate, 1e-6 * (time_us - self._smoothed_at))
         self._smoothed_at = time_us
 
-    def jumped(self, before: Quaternion, now: Quaternion) -> None:
+    def notice_reset(self, before: Quaternion, now: Quaternion) -> None:
         """The estimate has jumped from one attitude to another: as in PX4 what is followed turns along."""
         turned = multiply(multiply(now, conjugate(before)), self._smoothed.q_nb)
         self._smoothed = self._smoothed._replace(q_nb=turned)

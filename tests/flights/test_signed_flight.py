@@ -36,7 +36,7 @@ def commands(signing: Signing | None) -> list[bytes]:
 
 
 def signed(flown: Flown) -> None:
-    flown.between.bridge.keys.set(KEY, 0)
+    flown.between.bridge.keys.use_key(KEY, 0)
     signing = Signing(KEY, epoch=EPOCH)
     flown.conductor.link.sign(signing)
     flown.conductor.decoder.signing = signing

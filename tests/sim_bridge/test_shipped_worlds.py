@@ -144,7 +144,9 @@ def sent_and_heard(way: Way, n: int = 4_000) -> list[tuple[float, int]]:
     for i in range(n + 500):
         if i < n:
             link_way.send(i * 4_000, 0, i.to_bytes(4))
-        heard += [(i * 0.004 - int.from_bytes(d) * 0.004, int.from_bytes(d)) for _, d in link_way.arrived(i * 4_000)]
+        heard += [
+            (i * 0.004 - int.from_bytes(d) * 0.004, int.from_bytes(d)) for _, d in link_way.take_arrived(i * 4_000)
+        ]
     return heard
 
 

@@ -9,7 +9,7 @@ from sim_bridge.autopilot.commander.battery import Battery, ChargeState
 from sim_bridge.autopilot.commander.commander import Commander, Text
 from sim_bridge.autopilot.commander.contacts import Contacts
 from sim_bridge.autopilot.commander.fence_watch import FenceWatch
-from sim_bridge.autopilot.commander.health_report import Health, HealthReport, Said
+from sim_bridge.autopilot.commander.health_report import Health, HealthEvent, HealthReport
 from sim_bridge.autopilot.commander.tilt_watch import TiltWatch
 from sim_bridge.autopilot.flight_modes.manual_control import ManualControl
 from sim_bridge.autopilot.parameters import Parameters
@@ -49,7 +49,7 @@ class HealthAndArmingChecks:
         attitude_is_controlled = commander.armed and not (commander.mode is Mode.ACRO or rates_alone)
         flags.fd_critical_failure = self._tilt.update(t, now.q_nb, attitude_is_controlled)
 
-    def report(self, t: float) -> list[Said]:
+    def report(self, t: float) -> list[HealthEvent]:
         """What the health report says at ``t`` (s)."""
         commander, flags, parameters = self._commander, self._commander.failsafe_flags, self._parameters
         health = Health(

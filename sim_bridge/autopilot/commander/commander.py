@@ -158,7 +158,7 @@ class Commander:
         self._disarm("external command")
         return MavResult.ACCEPTED
 
-    def sticks_moved(self, t: float) -> None:
+    def notice_sticks(self, t: float) -> None:
         """The pilot moves the sticks with intent: he takes over from whatever flies by itself."""
         if not self.armed or self.mode in MANUAL or self.mode in (Mode.ORBIT, Mode.TERMINATION):
             return
@@ -168,17 +168,17 @@ class Commander:
             self.say(MavSeverity.INFO, "Pilot took over using sticks\t")
             self.request_mode(Mode.POSITION, t)
 
-    def takeoff_is_over(self) -> None:
+    def finish_takeoff(self) -> None:
         """A take-off has reached its height."""
         if self.user_intended_mode is Mode.TAKEOFF:
             self._change_user_intended_mode(Mode.HOLD)
 
-    def mode_is_over(self, mode: Mode | None) -> None:
+    def finish_mode(self, mode: Mode | None) -> None:
         """The last item of the mission has been flown, in the air; or whoever brought a mode has taken it away."""
         if self.user_intended_mode is mode:
             self._change_user_intended_mode(Mode.HOLD)
 
-    def setpoint_arrived(self, t: float) -> None:
+    def notice_setpoint(self, t: float) -> None:
         """An offboard setpoint of any kind."""
         self.setpoint_at = t
 

@@ -19,7 +19,7 @@ class Contacts:
         self._heard: dict[int, float] = {}
         self._lost: set[int] = set()
 
-    def heard(self, kind: int, t: float) -> None:
+    def notice_heartbeat(self, kind: int, t: float) -> None:
         """A heartbeat of a MAV_TYPE at ``t`` (s)."""
         if kind not in (MAV_TYPE_GCS, MAV_TYPE_ONBOARD_CONTROLLER):
             return

@@ -92,7 +92,7 @@ class Events:
         """The number of the newest."""
         return self._next - 1 & 0xFFFF
 
-    def happened(self, text: Text, time_us: int, user_intended_mode: Mode, mode: Mode) -> None:
+    def keep_text(self, text: Text, time_us: int, user_intended_mode: Mode, mode: Mode) -> None:
         """Something was said: keep the event that goes with it, if there is one."""
         found = event_of(text.text.rstrip("\t"), user_intended_mode, mode)
         if found is None:
@@ -150,7 +150,7 @@ class EventLink:
             self._tell_at_us = now_us + SEQUENCE_PERIOD_US
             self._send(SEQUENCE, SEQUENCE.values(sequence=self._events.last, flags=flags))
 
-    def requested(self, frame: Frame) -> None:
+    def resend(self, frame: Frame) -> None:
         """REQUEST_EVENT: those between two numbers again, as far as they are kept."""
         said = frame.format.named(frame.values)
         if said["target_system"] != self._system or said["target_component"] not in (0, 1):

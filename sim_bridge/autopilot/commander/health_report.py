@@ -97,7 +97,7 @@ class Health(NamedTuple):
     mission_needed: bool
 
 
-class Said(NamedTuple):
+class HealthEvent(NamedTuple):
     """An event: its id, its log levels, its arguments."""
 
     id: int
@@ -116,9 +116,9 @@ class Check(NamedTuple):
     part: int
 
     @property
-    def said(self) -> Said:
+    def event(self) -> HealthEvent:
         """Its event."""
-        return Said(self.id, self.levels, struct.pack("<IB", self.argument, self.part))
+        return HealthEvent(self.id, self.levels, struct.pack("<IB", self.argument, self.part))
 
 
 def failing(health: Health) -> list[Check]:
@@ -143,7 +143,7 @@ def failing(health: Health) -> list[Check]:
     return checks
 
 
-def report(health: Health) -> list[Said]:
+def report(health: Health) -> list[HealthEvent]:
     """The events of a report, in their order."""
     errors = warnings = 0
     can_arm = can_run = EVERY
@@ -154,9 +154,9 @@ def report(health: Health) -> list[Said]:
         warnings |= (check.levels == WARNING) << check.part
     present = PRESENT | health.ready << GPS | health.gcs_connection << COMMUNICATION
     return [
-        Said(ARMING_SUMMARY, PROTOCOL, struct.pack("<BIIII", 0, errors, warnings, can_arm, can_run)),
-        *(check.said for check in checks),
-        Said(HEALTH_SUMMARY, PROTOCOL, struct.pack("<BIII", 0, present, 0, 0)),
+        HealthEvent(ARMING_SUMMARY, PROTOCOL, struct.pack("<BIIII", 0, errors, warnings, can_arm, can_run)),
+        *(check.event for check in checks),
+        HealthEvent(HEALTH_SUMMARY, PROTOCOL, struct.pack("<BIII", 0, present, 0, 0)),
     ]
 
 
@@ -167,7 +167,7 @@ class HealthReport:
         self._health: Health | None = None
         self._next_at = PERIOD
 
-    def update(self, t: float, health: Health) -> list[Said]:
+    def update(self, t: float, health: Health) -> list[HealthEvent]:
         """What is to be said at ``t`` (s)."""
         if health == self._health or t < self._next_at:
             return []

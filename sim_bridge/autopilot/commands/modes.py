@@ -24,7 +24,7 @@ from sim_bridge.autopilot.commander.commander import FORCE
 from sim_bridge.autopilot.commander.external_modes import EXTERNAL
 from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, byte, whole
 from sim_bridge.autopilot.flight_modes.guidance import TakeOff
-from sim_bridge.autopilot.flight_modes.orbit import ordered
+from sim_bridge.autopilot.flight_modes.orbit import orbit_from_command
 
 ANY_SUB = {
     1: Mode.MANUAL,
@@ -101,18 +101,18 @@ def _take_off(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
 
 
 def _land(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
-    return _announced(Mode.LAND, "Landing at current position\t", autopilot)
+    return _change_mode_and_say(Mode.LAND, "Landing at current position\t", autopilot)
 
 
 def _land_precisely(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
-    return _announced(Mode.PRECISION_LAND, "Precision landing\t", autopilot)
+    return _change_mode_and_say(Mode.PRECISION_LAND, "Precision landing\t", autopilot)
 
 
 def _return(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
-    return _announced(Mode.RETURN, "Returning to launch\t", autopilot)
+    return _change_mode_and_say(Mode.RETURN, "Returning to launch\t", autopilot)
 
 
-def _announced(mode: Mode, text: str, autopilot: Autopilot) -> MavResult:
+def _change_mode_and_say(mode: Mode, text: str, autopilot: Autopilot) -> MavResult:
     """Change to ``mode`` and say so, before whatever the mode itself says."""
     commander = autopilot.commander
     before = len(commander.texts)
@@ -136,7 +136,7 @@ def _orbit(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
         down = autopilot.home.altitude - altitude if math.isfinite(altitude) else now.p_n[2]
         centre = (*autopilot.projection.project(latitude, longitude), down)
     most = autopilot.parameters["MC_ORBIT_RAD_MAX"]
-    orbit = ordered(guidance.orbit, (radius, speed, yaw_behaviour), centre, now, most)
+    orbit = orbit_from_command(guidance.orbit, (radius, speed, yaw_behaviour), centre, now, most)
     if orbit is None:
         autopilot.commander.say(MavSeverity.CRITICAL, "Orbit radius limit exceeded\t")
     else:

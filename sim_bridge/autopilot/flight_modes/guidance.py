@@ -94,7 +94,7 @@ class Guidance:
         """Begin a mode from where the vehicle is and as fast as it moves."""
         # on to the very height of the take-off, to the very end of the mission
         at_the_end = self._mode is Mode.MISSION and self._mission.finished and not self._landing
-        goes_on = mode is Mode.HOLD and (self.takeoff_is_over(now) or at_the_end)
+        goes_on = mode is Mode.HOLD and (self.has_taken_off(now) or at_the_end)
         takes_off_still = mode is self._mode is Mode.TAKEOFF
         self._mode = mode
         self.cruise_speed = self._speed_there = None
@@ -130,7 +130,7 @@ class Guidance:
         self._heading = heading
         self._speed_there = speed
 
-    def jumped(self, now: Estimate) -> None:
+    def notice_reset(self, now: Estimate) -> None:
         """The estimate has jumped: as in PX4 the reference goes on from the new one, back to where it was to be."""
         heading = euler_from_rotation(rotation_matrix(now.q_nb))[0]
         if self._place is None:
@@ -148,7 +148,7 @@ class Guidance:
         """Whether the vehicle is on its way up from the ground."""
         return self._mode is Mode.TAKEOFF or (self._mode is Mode.MISSION and self._climbing)
 
-    def takeoff_is_over(self, now: Estimate) -> bool:
+    def has_taken_off(self, now: Estimate) -> bool:
         """Whether a take-off has reached its height."""
         return self._mode is Mode.TAKEOFF and self._place is not None and now.p_n[2] - self._place[2] < HEIGHT_REACHED
 
@@ -166,11 +166,13 @@ class Guidance:
 
     def step(self, now: Estimate, t: float, on_ground: bool, touching: bool, step: float) -> Target | Throttle:
         """What to fly at ``t`` (s). ``on_ground``: not lifted off yet or landed; ``touching``: the ground is felt."""
-        wanted = self._wanted(now, t, on_ground, touching, step)
+        wanted = self._update_target(now, t, on_ground, touching, step)
         self.target = wanted if isinstance(wanted, Target) else None
         return wanted
 
-    def _wanted(self, now: Estimate, t: float, on_ground: bool, touching: bool, step: float) -> Target | Throttle:
+    def _update_target(
+        self, now: Estimate, t: float, on_ground: bool, touching: bool, step: float
+    ) -> Target | Throttle:
         if self._mode is Mode.MISSION:
             self._follow(self._mission.leg(now, t, on_ground))
         if on_ground:

@@ -67,7 +67,7 @@ class Orbit(NamedTuple):
         return held
 
 
-def ordered(
+def orbit_from_command(
     before: Orbit | None, parameters: tuple[float, float, float], centre: Vec3 | None, now: Estimate, most: float
 ) -> Orbit | None:  # fmt: skip
     """The orbit a command asks for: radius (negative: counter-clockwise), speed, nose; NaN: as before, or PX4's own.

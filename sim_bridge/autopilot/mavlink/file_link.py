@@ -95,9 +95,9 @@ class FileLink:
         if code == Op.BURST_READ:
             self._burst(to, payload, sequence, session, offset, size or DATA)
             return
-        self._answer(to, payload, sequence, session, code, offset, self._done(code, session, offset, size, data))
+        self._answer(to, payload, sequence, session, code, offset, self._execute(code, session, offset, size, data))
 
-    def _done(self, code: int, session: int, offset: int, size: int, data: bytes) -> bytes | Fault:
+    def _execute(self, code: int, session: int, offset: int, size: int, data: bytes) -> bytes | Fault:
         """The data of the answer, or why there is none."""
         path = data.split(b"\0")[0].decode("utf-8", "replace").strip("/")
         if code in (Op.NONE, Op.RESET):
@@ -105,7 +105,7 @@ class FileLink:
             return b""
         if code == Op.LIST:
             sizes = {name: len(file.data) for name, file in FILES.items()}
-            return _listed(path, offset, sizes | {name: len(data) for name, data in self._logs.items()})
+            return _list_directory(path, offset, sizes | {name: len(data) for name, data in self._logs.items()})
         if code in (Op.OPEN_READ, Op.CHECKSUM):
             content = self._logs.get(path) if path in self._logs else FILES[path].data if path in FILES else None
             if content is None:
@@ -152,7 +152,7 @@ class FileLink:
         self._send(FTP, values)
 
 
-def _listed(path: str, offset: int, sizes: Mapping[str, int]) -> bytes | Fault:
+def _list_directory(path: str, offset: int, sizes: Mapping[str, int]) -> bytes | Fault:
     """The entries of a directory from number ``offset`` on, as many as fit. ``sizes``: path -> bytes of every file."""
     folders = DIRECTORIES | {str(folder) for name in sizes for folder in PurePosixPath(name).parents} - {"."}
     if path not in folders:

@@ -99,10 +99,10 @@ class Link:
             MANUAL_CONTROL.id: self._manual_control,
             SETUP_SIGNING.id: self._setup_signing,
             file_link.FTP.id: FileLink(SYSTEM, autopilot.log_files, self.emit).request,
-            events.REQUEST.id: self._events.requested,
-            parameter_link.READ.id: self._parameters.read,
+            events.REQUEST.id: self._events.resend,
+            parameter_link.READ.id: self._parameters.send_requested,
             parameter_link.LIST.id: self._parameters.list,
-            parameter_link.SET.id: self._parameters.set,
+            parameter_link.SET.id: self._parameters.change,
             **self._missions.handlers,
             **SetpointLink(autopilot).handlers,
         }
@@ -256,7 +256,7 @@ class Link:
 
     def _heartbeat(self, frame: Frame) -> None:
         kind = frame.values[1]
-        self._autopilot.checks.contacts.heard(kind, self._autopilot.t)
+        self._autopilot.checks.contacts.notice_heartbeat(kind, self._autopilot.t)
         if kind == MAV_TYPE_GCS:
             self._ground_station_until_us = self._now_us + HEARD_FOR_US
 
@@ -271,7 +271,7 @@ class Link:
             self.emit(_TIMESYNC, (self._autopilot.estimate.time_us * 1000, ours))
 
     def _setup_signing(self, frame: Frame) -> None:
-        self._keys.requested(frame, SYSTEM, COMPONENT, armed=self._autopilot.commander.armed)
+        self._keys.set_up(frame, SYSTEM, COMPONENT, armed=self._autopilot.commander.armed)
 
     def _manual_control(self, frame: Frame) -> None:
         position = deflection(frame, SYSTEM)

@@ -62,7 +62,7 @@ class ParameterLink:
                 self._told = len(changes)
                 self._changed_at_us = None
 
-    def read(self, frame: Frame) -> None:
+    def send_requested(self, frame: Frame) -> None:
         """PARAM_REQUEST_READ: by name, or by index where that is not negative."""
         if not self._is_ours(frame):
             return
@@ -87,7 +87,7 @@ class ParameterLink:
         if self._is_ours(frame):
             self._listed = -1 if self._listed is None else 0
 
-    def set(self, frame: Frame) -> None:
+    def change(self, frame: Frame) -> None:
         """PARAM_SET: the type must be the parameter's own; any value is taken."""
         if not self._is_ours(frame):
             return

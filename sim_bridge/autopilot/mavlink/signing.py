@@ -30,21 +30,23 @@ class KeyStore:
         self._links.append((encoder, decoder))
         self._install(len(self._links) - 1)
 
-    def set(self, key: bytes | None, stamp: int) -> None:
+    def use_key(self, key: bytes | None, stamp: int) -> None:
         """Another key, on all links, from ``stamp`` on."""
         self.key, self._stamp = key, stamp
         self._streams.clear()
         for number in range(len(self._links)):
             self._install(number)
 
-    def requested(self, frame: Frame, system: int, component: int, *, armed: bool) -> None:
+    def set_up(self, frame: Frame, system: int, component: int, *, armed: bool) -> None:
         """SETUP_SIGNING came: the decoder has seen to it that it is signed, where there is a key."""
         values = SETUP_SIGNING.named(frame.values)
         target = values["target_system"], values["target_component"]
         if armed or target[0] not in (0, system) or target[1] not in (0, component):
             return
         key = bytes(values["secret_key"])
-        self.set(key if any(key) or values["initial_timestamp"] else None, min(values["initial_timestamp"], STAMP_MAX))
+        self.use_key(
+            key if any(key) or values["initial_timestamp"] else None, min(values["initial_timestamp"], STAMP_MAX)
+        )
 
     def _install(self, number: int) -> None:
         encoder, decoder = self._links[number]

@@ -105,7 +105,7 @@ class MissionFlight:
         """Jumps that were made do not count any more."""
         self._jumped.clear()
 
-    def disarmed(self) -> None:
+    def notice_disarming(self) -> None:
         """The vehicle stands: a mission that was at its end begins again."""
         self._disarmed_since = True
 
@@ -141,7 +141,7 @@ class MissionFlight:
             if not item.autocontinue:
                 break
             self._advance(now, landed)
-        return self._wanted(now)
+        return self._update_leg(now)
 
     def _advance(self, now: Estimate, landed: bool) -> None:
         before = self._store.current
@@ -253,7 +253,7 @@ class MissionFlight:
             return None
         return math.radians(item.params[3]) if math.isfinite(item.params[3]) else None
 
-    def _wanted(self, now: Estimate) -> Leg:
+    def _update_leg(self, now: Estimate) -> Leg:
         item = self.item
         if item is None:
             return Leg(None, None)

@@ -91,7 +91,7 @@ def read(frame: Frame) -> Item | MavMissionResult:
             else MAV_FRAME_GLOBAL
         )
         scale = 1e-7 if whole else 1.0
-        return Item(command, stored, said["autocontinue"], _kept(command, params), x * scale, y * scale, z)
+        return Item(command, stored, said["autocontinue"], _stored_parameters(command, params), x * scale, y * scale, z)
     if kind != MAV_FRAME_MISSION:
         return MavMissionResult.UNSUPPORTED_FRAME
     fifth, sixth = (math.nan if whole and value in NOT_GIVEN else float(value) for value in (x, y))
@@ -145,7 +145,7 @@ def _stray(command: int, params: Four, place: tuple[Value, Value], z: float, who
     return 0
 
 
-def _kept(command: int, params: Four) -> Four:
+def _stored_parameters(command: int, params: Four) -> Four:
     """The first four parameters of a command with a place, as PX4 gives them back."""
     kept = [0.0, 0.0, 0.0, 0.0]
     row = ITEMS.get(command, NOT_AN_ITEM)

@@ -70,8 +70,8 @@ class MissionMessages:
         """How it went."""
         self._send(ACK, ACK.values(type=answer.value, opaque_id=identity, **_to(whom, kind)))
 
-    def reached(self, index: int) -> None:
-        """An item is reached."""
+    def say_reached(self, index: int) -> None:
+        """MISSION_ITEM_REACHED."""
         self._send(REACHED, REACHED.values(seq=index))
 
     def current(self) -> None:

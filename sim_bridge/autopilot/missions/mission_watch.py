@@ -54,9 +54,9 @@ class MissionWatch:
         for order in orders:
             self.do_commands.carry_out(order, now, t)
         if not commander.armed:
-            mission.disarmed()
+            mission.notice_disarming()
         elif commander.user_intended_mode is Mode.MISSION and mission.finished and not commander.landed:
-            commander.mode_is_over(Mode.MISSION)
+            commander.finish_mode(Mode.MISSION)
 
     def _check(self, is_new: bool) -> None:
         """Whether the mission can be flown; if not, why not is said."""

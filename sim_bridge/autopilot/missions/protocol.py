@@ -70,12 +70,12 @@ class MissionLink:
         self._told: tuple[int, bool] = (0, False)
         self._reached, self._reached_again = -1, 0
         self.handlers: Mapping[int, Callable[[Frame], None]] = {
-            ACK.id: self._acknowledged,
+            ACK.id: self._notice_acknowledgement,
             _CLEAR.id: self._clear,
-            COUNT.id: self._counted,
+            COUNT.id: self._begin_upload,
             _LIST.id: self._list,
-            REQUEST.id: self._requested,
-            REQUEST_INT.id: self._requested,
+            REQUEST.id: self._send_item,
+            REQUEST_INT.id: self._send_item,
             _SET_CURRENT.id: self._set_current,
             ITEM.id: self._item,
             ITEM_INT.id: self._item,
@@ -91,13 +91,13 @@ class MissionLink:
         if self._progress.reached != self._reached:
             self._reached, self._reached_again = self._progress.reached, REACHED_AGAIN
             if self._reached >= 0:
-                self._messages.reached(self._reached)
+                self._messages.say_reached(self._reached)
         elif now_us >= self._tell_at_us:
             self._tell_at_us = now_us + TELL_US
             self._messages.current()
             if self._reached >= 0 and self._reached_again > 0:
                 self._reached_again -= 1
-                self._messages.reached(self._reached)
+                self._messages.say_reached(self._reached)
         if self._state is State.IDLE:
             return
         if now_us - self._heard_us > GIVE_UP_US:
@@ -127,7 +127,7 @@ class MissionLink:
         self._expected, self._count = 0, len(self._list_of(kind))
         self._tell_count()
 
-    def _requested(self, frame: Frame) -> None:
+    def _send_item(self, frame: Frame) -> None:
         said = frame.format.named(frame.values)
         if not self._is_ours(said):
             return
@@ -151,7 +151,7 @@ class MissionLink:
                 self._acknowledge(self._partner, MavMissionResult.ERROR)
                 self._complain("WPM: REJ. CMD: Req. WP was unexpected\t")
 
-    def _acknowledged(self, frame: Frame) -> None:
+    def _notice_acknowledgement(self, frame: Frame) -> None:
         said = frame.format.named(frame.values)
         if not self._is_ours(said):
             return
@@ -166,7 +166,7 @@ class MissionLink:
             elif said["type"] == MavMissionResult.OPERATION_CANCELLED:
                 self._finish()
 
-    def _counted(self, frame: Frame) -> None:
+    def _begin_upload(self, frame: Frame) -> None:
         said = frame.format.named(frame.values)
         if not self._is_ours(said):
             return

@@ -104,7 +104,7 @@ class Subscriptions:
 
     def _unregister(self, fields: Fields, at_us: int) -> None:
         commander = self._autopilot.commander
-        commander.mode_is_over(commander.external_modes.unregister(fields))
+        commander.finish_mode(commander.external_modes.unregister(fields))
 
     def _arming_check(self, fields: Fields, at_us: int) -> None:
         self._autopilot.commander.external_modes.answer(fields, self._autopilot.t - at_us * 1e-6)
