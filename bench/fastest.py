@@ -71,7 +71,7 @@ def optimum(mission: Mission, vehicle: Vehicle) -> float:
     assert isinstance(mission.speed, AutoSpeed)
     search = Fastest(mission, mission.speed, vehicle, knot_time=0.25 * KNOT_TIME)
     headroom, at, matrices, ds = search.headroom, search.at, search.matrices, search.ds
-    c = search.improved(search.first())
+    c = search.improve(search.first())
     # a barrier stays off the limits: the rest of the way is for linear programmes, each feasible to a thousandth
     trust, best = 0.02, search.time(c)
     for _ in range(POLISHINGS):

@@ -14,7 +14,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from companion.cli.check import looked_at
+from companion.cli.check import check_sortie
 from companion.cli.finish import Ending
 from companion.cli.output import Output
 from companion.cli.simulate import Simulation, in_lockstep
@@ -123,7 +123,7 @@ def main() -> None:
     for name, kind in KINDS.items():
         if given.only not in (None, name):
             continue
-        sortie = looked_at(read_sortie(name, None, Output.RATES, direct=True))[0]
+        sortie = check_sortie(read_sortie(name, None, Output.RATES, direct=True))[0]
         with tempfile.TemporaryDirectory() as folder:
             flight = flown(sortie, Path(folder))
         picture(sortie, flight, pictures / f"{name}.png")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 def printable(text: str) -> str:
     """One line: every character that does not print is its escape, ``\\x1b`` for ESC."""
-    return text if text.isprintable() else "".join(map(_shown, text))
+    return text if text.isprintable() else "".join(map(_printable, text))
 
 
 def printable_lines(text: str) -> str:
@@ -18,5 +18,5 @@ def printable_lines(text: str) -> str:
     return "\n".join(map(printable, text.split("\n")))
 
 
-def _shown(character: str) -> str:
+def _printable(character: str) -> str:
     return character if character.isprintable() else character.encode("unicode_escape").decode("ascii")

@@ -14,7 +14,7 @@ import numpy as np
 Draw = Callable[[], float]
 """The next number of a standard normal distribution."""
 DRAWN_AT_ONCE = 1024
-"""random numbers draws at a time, which is cheaper than one by one."""
+"""random numbers drawn at a time, which is cheaper than one by one."""
 
 
 class RandomStream(enum.IntEnum):

@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 
-from companion.cli.check import looked_at
+from companion.cli.check import check_sortie
 from companion.cli.output import Output
 from companion.config.examples import PATHS, example, example_plan
 from companion.config.syntax.faults import ConfigError
@@ -209,7 +209,7 @@ def outcome(mission: str | None, plan: str | None, folder: Path) -> tuple[str, s
     if mission is not None:
         file.write_text(mission, encoding="utf-8", newline="")
     try:
-        found = looked_at(read_sortie(str(file), None, Output.AUTO))[1]
+        found = check_sortie(read_sortie(str(file), None, Output.AUTO))[1]
     except ConfigError as error:
         lines = {"field.yaml": (mission or "").count("\n") + 2, "field.plan": (plan or "").count("\n") + 2}
         for fault in error.faults:

@@ -53,7 +53,7 @@ def no_vehicle(reason: str, ending: Ending) -> int:
     return NO_VEHICLE
 
 
-def failed(error: Exception, recorder: Recorder, ending: Ending) -> int:
+def report_failure(error: Exception, recorder: Recorder, ending: Ending) -> int:
     """The companion itself failed outside of the flight's own turns; the exit code."""
     recorder.keep_failure(traceback.format_exc())
     recorder.close()
@@ -80,4 +80,4 @@ def exit_code_of(fly: Callable[[], int], recorder: Recorder, ending: Ending) -> 
         recorder.discard()
         raise
     except Exception as error:
-        return failed(error, recorder, ending)
+        return report_failure(error, recorder, ending)

@@ -43,7 +43,7 @@ def check(
     faults.raise_any()
     assert sortie is not None
     sortie, air = in_world(sortie, None if simulated is None else simulated.world)
-    sortie, found = looked_at(sortie, (0.0, 0.0, 0.0) if air is None else air.wind_n)
+    sortie, found = check_sortie(sortie, (0.0, 0.0, 0.0) if air is None else air.wind_n)
     places = place_words(sortie.mission, Origin.TAKEOFF)
     if as_json:
         document = as_document(found, places.lines, places.warnings)
@@ -66,7 +66,7 @@ def check(
     return FEASIBLE if found.feasible else NOT_FEASIBLE
 
 
-def looked_at(sortie: Sortie, wind_n: Vec3 = (0.0, 0.0, 0.0)) -> tuple[Sortie, Report]:
+def check_sortie(sortie: Sortie, wind_n: Vec3 = (0.0, 0.0, 0.0)) -> tuple[Sortie, Report]:
     """What the mission asks of the vehicle; and the sortie with its speed known, where that was ``auto``. What of its
     file is not flown is said. ConfigError: it cannot be looked at."""
     for note in sortie.mission.notes:

@@ -129,7 +129,7 @@ def sim(
     verbose: Verbose = False,
 ) -> None:
     """Fly a mission in simulation."""
-    from companion.cli.check import looked_at
+    from companion.cli.check import check_sortie
     from companion.cli.finish import Ending
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
     from companion.feasibility.words import headline
@@ -143,7 +143,7 @@ def sim(
     faults.collect(lambda: check_record(record))
     faults.raise_any()
     assert sortie is not None and simulated is not None
-    sortie, found = looked_at(sortie)
+    sortie, found = check_sortie(sortie)
     if not found.feasible:
         warn(f"warning: {headline(found)}")
     detail(f"mission {sortie.mission_source.name}, vehicle {sortie.vehicle_source.name}, world {simulated.file}")
@@ -159,13 +159,13 @@ def sim(
     raise typer.Exit((over_udp if udp else in_lockstep)(simulation))
 
 
-def _looked_at_to_fly(sortie: Sortie, accept: bool, json: bool) -> tuple[Sortie, FeasibilityReport]:
+def _check_to_fly(sortie: Sortie, accept: bool, json: bool) -> tuple[Sortie, FeasibilityReport]:
     """What ``check`` finds. Refuses where the vehicle cannot fly it; warns where it is flown all the same."""
-    from companion.cli.check import looked_at
+    from companion.cli.check import check_sortie
     from companion.cli.finish import refuse
     from companion.feasibility.words import headline
 
-    sortie, found = looked_at(sortie)
+    sortie, found = check_sortie(sortie)
     if not found.feasible:
         if not accept and not found.may_be_flown:
             # who knows that the ground falls away may say so; it is not held out to who does not
@@ -226,7 +226,7 @@ def fly(
     log = faults.collect(lambda: flying.log_address(connect, signed=signing_key is not None)) if fetch_log else None
     faults.raise_any()
     assert sortie is not None and open_port is not None
-    sortie, found = _looked_at_to_fly(sortie, accept_infeasible, json)
+    sortie, found = _check_to_fly(sortie, accept_infeasible, json)
     conduct = Conduct(
         flying.authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
         Finish.AS_BEGUN if finish is None else Finish(finish.value), Limits(tube=tube, floor=floor, ceiling=ceiling),

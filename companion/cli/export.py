@@ -7,7 +7,7 @@ import io
 from dataclasses import replace
 from pathlib import Path
 
-from companion.cli.check import looked_at
+from companion.cli.check import check_sortie
 from companion.cli.output import Output
 from companion.cli.terminal import say
 from companion.config.plan.source import plan_of
@@ -52,7 +52,7 @@ def export(
         _write_plan(plan, own, "the plan's own, all written out")
         if table is None:
             return
-    sortie, _ = looked_at(sortie)
+    sortie, _ = check_sortie(sortie)
     placed, world = at_home(sortie.mission, World(home=at))
     frame = LocalFrame(world.home.latitude, world.home.longitude, world.home.altitude)
     if home is None and not isinstance(placed.origin, GlobalOrigin):

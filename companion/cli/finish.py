@@ -79,14 +79,14 @@ def _text(figures: dict[str, Any]) -> str:
     reason = f": {figures['reason']}" if figures["reason"] else ""
     lines = [f"{figures['outcome']}{reason}", ""]
     if "follow" in figures:
-        lines += _flown(figures)
+        lines += _flight_lines(figures)
     lines += [f"  note: {note}" for note in figures["notes"]]
     if figures["record"]:
         lines += ["", f"  flight folder: {figures['record']}"]
     return "\n".join(lines)
 
 
-def _flown(figures: dict[str, Any]) -> list[str]:
+def _flight_lines(figures: dict[str, Any]) -> list[str]:
     """How it was flown, in lines."""
     lines: list[str] = []
     where = _where(figures)

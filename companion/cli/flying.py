@@ -31,7 +31,7 @@ from companion.library.orders import Sortie
 from companion.mavlink.signing import Signing
 from companion.mission import Mission, Origin
 from companion.record.folder import Recorder
-from companion.record.learned import recalled, remembered, state_file
+from companion.record.learned import load_learned, save_learned, state_file
 from companion.vehicle import CompanionError, Vehicle
 from companion.xrce.flight_mode import NAMED, attitude_alone
 
@@ -153,7 +153,7 @@ def fly(flight: Flight, port: Port, xrce: Port | None = None) -> int:
         # the page is drawn once, with the log
         ending = flight.ending if flight.log_from is None else replace(flight.ending, report=False)
         flight = replace(flight, ending=ending)
-        code = exit_code_of(lambda: _flown(flight, port, recorder, signals, signing, xrce), recorder, ending)
+        code = exit_code_of(lambda: _fly_until_done(flight, port, recorder, signals, signing, xrce), recorder, ending)
     if flight.log_from is not None and (flight.directory / "flight.npy").is_file():
         fetch_and_join(flight.log_from, flight.directory)
         if report:
@@ -161,7 +161,7 @@ def fly(flight: Flight, port: Port, xrce: Port | None = None) -> int:
     return code
 
 
-def _flown(
+def _fly_until_done(
     flight: Flight, port: Port, recorder: Recorder, signals: Signals, signing: Signing | None, xrce: Port | None
 ) -> int:
     sortie = flight.sortie
@@ -178,7 +178,7 @@ def _flown(
         over_xrce=xrce is not None and (sortie.level.without_rate_loop or flight.flight_mode is not None),
         flight_mode=flight.flight_mode,
         has_xrce=xrce is not None,
-        learned=recalled(state_file(sortie.vehicle.name)),
+        learned=load_learned(state_file(sortie.vehicle.name)),
         objection=None
         if flight.accept_infeasible
         else lambda mission, ground: objection(mission, sortie.vehicle, ground),
@@ -199,7 +199,7 @@ def _remember(conductor: Conductor, vehicle: str) -> None:
     """Keep what the flight found out, for the next."""
     try:
         learned, file = conductor.learned, state_file(vehicle)
-        if learned is not None and file is not None and not remembered(file, learned):
+        if learned is not None and file is not None and not save_learned(file, learned):
             say(f"what the flight found out of the vehicle could not be kept in {file}; the next one begins without it")
     except Exception as error:  # the flight is over, and its outcome is still to be told
         say(f"what the flight found out of the vehicle could not be kept ({error_words(error)})")

@@ -15,7 +15,7 @@ from companion.library.orders import Faults
 
 def new(kind: str, file: Path | None, force: bool) -> None:
     """Write the example. ConfigError: there is no such kind, or the file is there already."""
-    _known("KIND", kind, KINDS)
+    _refuse_unknown("KIND", kind, KINDS)
     target = file if file is not None else Path(f"{kind}.yaml")
     plan = target.with_suffix(".plan")
     faults = Faults()
@@ -39,7 +39,7 @@ def new(kind: str, file: Path | None, force: bool) -> None:
 
 def schema(kind: str) -> None:
     """Print the schema. ConfigError: there is no such kind."""
-    _known("KIND", kind, tuple(MODELS))
+    _refuse_unknown("KIND", kind, tuple(MODELS))
     print(schema_text(kind), end="")
 
 
@@ -47,7 +47,7 @@ def _schema(kind: str) -> str:
     return f"{kind if kind in MODELS else 'mission'}.schema.json"
 
 
-def _known(name: str, kind: str, kinds: tuple[str, ...]) -> None:
+def _refuse_unknown(name: str, kind: str, kinds: tuple[str, ...]) -> None:
     if kind not in kinds:
         close = difflib.get_close_matches(kind, kinds, 1)
         hint = f"did you mean {close[0]}?" if close else f"expected one of {', '.join(kinds)}"

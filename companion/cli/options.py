@@ -11,7 +11,7 @@ from companion.cli.output import Ends, Output, WhoStarts
 from companion.cli.terminal import be_quiet, be_verbose
 
 
-def _named(kind: str, incomplete: str) -> list[str]:
+def _names_in(kind: str, incomplete: str) -> list[str]:
     from companion.config.syntax.file_lookup import names
 
     return [name for name in names(kind) if name.startswith(incomplete)]
@@ -19,17 +19,17 @@ def _named(kind: str, incomplete: str) -> list[str]:
 
 def complete_mission(incomplete: str) -> list[str]:
     """The shipped missions; a shell completes files by itself where none of them begins so."""
-    return _named("missions", incomplete)
+    return _names_in("missions", incomplete)
 
 
 def complete_vehicle(incomplete: str) -> list[str]:
     """The shipped vehicles."""
-    return _named("vehicles", incomplete)
+    return _names_in("vehicles", incomplete)
 
 
 def complete_world(incomplete: str) -> list[str]:
     """The shipped worlds."""
-    return _named("worlds", incomplete)
+    return _names_in("worlds", incomplete)
 
 
 MISSION_HELP = "A mission file, a plan (.plan, .waypoints), or a name from configs/missions."

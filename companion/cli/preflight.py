@@ -14,9 +14,9 @@ from companion.mission import Origin
 from companion.places.origins import PlaceError, placed
 from companion.places.words import place_words
 from companion.plain_text import printable
-from companion.services.audit import Finding, Weight, audited
+from companion.services.audit import Finding, Weight, audit_parameters
 from companion.services.plan_check import differences
-from companion.services.vehicle import ConnectedVehicle, ServiceError, connected
+from companion.services.vehicle import ConnectedVehicle, ServiceError, connect_vehicle
 
 POINTS = 60
 """of the curve that is uploaded for the ground station's map."""
@@ -24,12 +24,12 @@ POINTS = 60
 
 def preflight(url: str, sortie: Sortie | None, *, upload: bool, as_json: bool) -> int:
     """Look, and upload where asked to; the exit code: 1 where something is not to be flown with."""
-    with connected(url) as vehicle:
+    with connect_vehicle(url) as vehicle:
         if vehicle is None:
             say(f"no vehicle: no autopilot was heard on {url} within 10 s; is it on, and does it send here?")
             return NO_VEHICLE
         try:
-            findings = audited(vehicle.parameters())
+            findings = audit_parameters(vehicle.parameters())
             rate = vehicle.state_rate()
             words = [] if sortie is None else _place(vehicle, sortie, upload)
         except (ServiceError, PlaceError) as error:

@@ -154,7 +154,7 @@ def log(
     """Fetch the vehicle's own log (ULog) of its last flight, once it is disarmed."""
     from companion.cli.finish import FAILED, NO_VEHICLE
     from companion.cli.terminal import say, tell
-    from companion.cli.vehicle_log import fetched
+    from companion.cli.vehicle_log import fetch_newest_log
     from companion.config.syntax.faults import Fault
     from companion.daemon.address import parsed
     from companion.library.orders import Faults
@@ -166,7 +166,7 @@ def log(
         faults.add(Fault("--to", 0, "", f"{to}: no such folder"))
     faults.raise_any()
     try:
-        file = fetched(connect, to)
+        file = fetch_newest_log(connect, to)
     except ServiceError as error:
         say(str(error))
         raise typer.Exit(NO_VEHICLE if isinstance(error, NoVehicleHeardError) else FAILED) from None

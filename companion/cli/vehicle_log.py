@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from companion.cli.terminal import say
 from companion.daemon.last_resort import error_words
 from companion.services.log_files import fetch_log
-from companion.services.vehicle import NoVehicleHeardError, connected
+from companion.services.vehicle import NoVehicleHeardError, connect_vehicle
 from companion.vehicle import CompanionError
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ SAID_EVERY = 5.0
 """s between two lines about a transfer."""
 
 
-def fetched(url: str, folder: Path) -> Path:
+def fetch_newest_log(url: str, folder: Path) -> Path:
     """The newest log of the vehicle at ``url``, in ``folder``. CompanionError: why it cannot be had."""
     said = time.monotonic()
 
@@ -29,7 +29,7 @@ def fetched(url: str, folder: Path) -> Path:
             said = time.monotonic()
             say(f"fetching the vehicle's log ... {done / 1e3:.0f} of {whole / 1e3:.0f} kB")
 
-    with connected(url) as vehicle:
+    with connect_vehicle(url) as vehicle:
         if vehicle is None:
             raise NoVehicleHeardError(f"no vehicle: no autopilot was heard on {url} within 10 s")
         return fetch_log(vehicle, folder, progress)
@@ -41,7 +41,7 @@ def fetch_and_join(url: str, directory: Path) -> None:
     from companion.record.ulog.joined import joined
 
     try:
-        file = fetched(url, directory)
+        file = fetch_newest_log(url, directory)
         say(f"the vehicle's log: {file}")
         keep_log(directory, joined(file, load_flight(directory).table))
     except CompanionError as error:

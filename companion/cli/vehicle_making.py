@@ -19,13 +19,13 @@ from companion.identification.from_log import Findings, better_log, identified, 
 from companion.identification.parameters import described
 from companion.identification.ulog import Log
 from companion.identification.ulog import read as read_log
-from companion.services.vehicle import ServiceError, connected
+from companion.services.vehicle import ServiceError, connect_vehicle
 
 
 def from_px4(url: str, file: Path, mass: float | None, arm: float | None, force: bool) -> int:
     """Ask the vehicle at ``url`` and write ``file``; the exit code."""
     writable("FILE", file, force)
-    with connected(url) as vehicle:
+    with connect_vehicle(url) as vehicle:
         if vehicle is None:
             say(f"no vehicle: no autopilot was heard on {url} within 10 s; is it on, and does it send here?")
             return NO_VEHICLE

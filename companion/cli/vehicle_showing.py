@@ -10,7 +10,7 @@ from companion.cli.finish import COMPLETED
 from companion.cli.terminal import tell
 from companion.config.vehicle import load_vehicle
 from companion.estimation.learned import AGEING, Learned, prior_of
-from companion.record.learned import recalled, state_file
+from companion.record.learned import load_learned, state_file
 from companion.vehicle import Vehicle
 
 
@@ -31,7 +31,7 @@ def show(name: str, as_json: bool) -> int:
     """Print it; the exit code."""
     vehicle = load_vehicle(name)
     file = state_file(vehicle.name)
-    learned = recalled(file)
+    learned = load_learned(file)
     rows = rows_of(vehicle, learned)
     if as_json:
         tell(json.dumps(_document(vehicle, learned, file, rows), indent=2))

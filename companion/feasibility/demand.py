@@ -43,7 +43,7 @@ def demand(stations: Stations, vehicle: Vehicle, scale: float = 1.0) -> Demand:
     alpha, beta = stations.alpha * scale, stations.beta
     jx, jy, jz = vehicle.inertia
     parameters = (vehicle.mass, jx, jy, jz, vehicle.gravity, vehicle.drag, *stations.wind_n)
-    values = _recorded(stations.heading)(*stations.path[1:].reshape(12, -1), *alpha, *beta, *parameters)
+    values = _record(stations.heading)(*stations.path[1:].reshape(12, -1), *alpha, *beta, *parameters)
     thrust, down = values[0], values[1]
     torques = values[5:8]
     return Demand(
@@ -77,7 +77,7 @@ def _motors(vehicle: Vehicle, wrench: Array) -> Array:
 
 
 @cache
-def _recorded(heading: Heading) -> ArrayFunction:
+def _record(heading: Heading) -> ArrayFunction:
     """(four derivatives of the path, alpha 4, beta 3, mass, inertia, g, drag, wind) -> zeta, R22, w, torque, |A|."""
     tape = Tape()
     path = [Vector(0.0, 0.0, 0.0), *(Vector(*tape.inputs(*(f"c{k}{axis}" for axis in "xyz"))) for k in range(1, 5))]

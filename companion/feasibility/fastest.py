@@ -86,7 +86,7 @@ class Fastest:
         """The speed along the path, with the sign of its direction. TooSlowError: none is slow enough."""
         coefficients = self.first()
         if len(self.spline.knots) <= KNOTS_MAX:
-            coefficients = self.improved(coefficients)
+            coefficients = self.improve(coefficients)
         everywhere = self.spline.matrices(self._everywhere.s)
         for _ in range(LOWERINGS):
             alpha = speeds([matrix @ coefficients for matrix in everywhere])
@@ -119,7 +119,7 @@ class Fastest:
         i = int(np.argmax(used))
         raise TooSlowError(f"no speed is slow enough for this vehicle at {self.at.s[i]:.1f} m along the path")
 
-    def improved(self, coefficients: Array) -> Array:
+    def improve(self, coefficients: Array) -> Array:
         """Coefficients of the fastest profile, from ones that keep every limit."""
         mu = BARRIER_FIRST
         while True:

@@ -43,7 +43,7 @@ def clearance(at: Stations, ground: float) -> Limit:
     return Limit("ground_clearance_m", least, CLEARANCE_MIN, float(at.s[i]), least >= CLEARANCE_MIN, used)
 
 
-def fenced(at: Stations, fence: Fence | None) -> list[Limit]:
+def fence_limits(at: Stations, fence: Fence | None) -> list[Limit]:
     """How far the path stays inside the ``fence``, which is in the local frame; nothing where there is none."""
     if fence is None or not fence.areas:
         return []

@@ -81,13 +81,13 @@ class Headroom:
         squared = low**2
         rise = (2.0 * ACCELERATION * self.auto.margin * np.diff(at.s)).tolist()
         closed = self.ends is None
-        forward = _held_back(squared.tolist(), rise, closed)
-        both = _held_back(forward[::-1], rise[::-1], closed)[::-1]
+        forward = _limit_acceleration(squared.tolist(), rise, closed)
+        both = _limit_acceleration(forward[::-1], rise[::-1], closed)[::-1]
         result: Array = np.sqrt(np.array(both))
         return result
 
 
-def _held_back(squared: list[float], rise: list[float], closed: bool) -> list[float]:
+def _limit_acceleration(squared: list[float], rise: list[float], closed: bool) -> list[float]:
     """Squares of speeds that rise no faster than ``rise`` from one to the next."""
     held = list(squared)
     for _ in range(2 if closed else 1):

@@ -125,7 +125,7 @@ def check(mission: Mission, vehicle: Vehicle, ground: float | None = None, wind_
     speed_free = (
         geometry.radius(at),
         geometry.clearance(at, ground),
-        *geometry.fenced(at, flown.fence_n),
+        *geometry.fence_limits(at, flown.fence_n),
         *geometry.jumps(flown, at),
     )
     found = [*_of_speed(at, asked, vehicle), _vdot(at, asked, vehicle), *speed_free]

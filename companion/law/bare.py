@@ -50,7 +50,7 @@ def bare_law(
     specification: Specification, level: Level, model: Model, gains: Gains
 ) -> Callable[[Sequence[float]], Answer]:
     """The law at ``level`` as a function of the extended state (``state_names``). It raises LawError."""
-    matrices = _recorded(specification, level, model)
+    matrices = _record_law(specification, level, model)
     names = state_names(level)
 
     def law(chi: Sequence[float]) -> Answer:
@@ -88,7 +88,7 @@ def bare_law(
     return law
 
 
-def _recorded(specification: Specification, level: Level, model: Model) -> Function:
+def _record_law(specification: Specification, level: Level, model: Model) -> Function:
     """(X, V, R, psi, w, zeta_dot, zeta) -> xi, b, D row by row, and the sine between the gradients."""
     tape = Tape()
     X = Vector(*tape.inputs("x", "y", "z"))

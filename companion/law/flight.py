@@ -1,7 +1,7 @@
 """The law as it flies: factored, bounded, recorded once for a mission and a vehicle, printed as straight-line Python.
 
     outputs -> wanted snap or jerk (feedback) -> thrust and torques, or thrust and body rates (flatness)
-    ``step``: that, recorded (recording.finished) and printed (calculus.straight)
+    ``step``: that, recorded (recording.finish_step) and printed (calculus.straight)
 
 Without bounds, drag and wrap it equals the paper's u = D^-1 (-b + v) to rounding; the tests hold it to that.
 """
@@ -29,7 +29,7 @@ from companion.law.feedback import (
 from companion.law.gains import Gains, Level, with_path_poles
 from companion.law.implicit import Specification, arc_along, outputs
 from companion.law.motion import Model
-from companion.law.recording import finished, inputs, known_motion
+from companion.law.recording import finish_step, inputs, known_motion
 from companion.law.speed_scale import SpeedScale
 from companion.paths.arc import ArcTable
 from companion.paths.curve import Curve
@@ -125,7 +125,7 @@ class ImplicitLaw:
     def __call__(self, flying: Flying, speed_scale: SpeedScale) -> Command:
         """See Law."""
         known = () if self.over_arc is None else self.over_arc.at(flying)
-        command = _called(self.step, flying, speed_scale, known)
+        command = _command_of(self.step, flying, speed_scale, known)
         if command.regularity < REGULARITY_MIN:
             raise LawError(f"singular: the gradients of h1 and h2 are parallel at {place(flying.p_n)}")
         return command
@@ -154,7 +154,7 @@ class CurveLaw:
             known = (*(c for derivative in derivatives for c in derivative), *flown, *beta)
         except (ValueError, ArithmeticError) as error:
             raise LawError(f"speed or yaw is not defined at s = {s:.2f} m: {error}") from None
-        command = _called(self.step, flying, speed_scale, known)
+        command = _command_of(self.step, flying, speed_scale, known)
         if not self.bounded and command.regularity < REGULARITY_MIN:
             raise LawError(f"singular: {place(flying.p_n)} is a centre of curvature of the path")
         if flown is alpha:
@@ -172,7 +172,7 @@ class CurveLaw:
         return StoppingSpeed(self.speed, length, 1.0), StoppingSpeed(self.speed, 0.0, -1.0)
 
 
-def _called(step: Function, flying: Flying, speed_scale: SpeedScale, known: Sequence[float]) -> Command:
+def _command_of(step: Function, flying: Flying, speed_scale: SpeedScale, known: Sequence[float]) -> Command:
     p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, _, poles = flying
     if not zeta > 0.0:
         raise LawError(f"singular: thrust {zeta:.3g} N")
@@ -209,7 +209,7 @@ def implicit_law(
     wanted = wanted_derivative(known, level, gains, bounds)
     sine = known.grad1.cross(known.grad2).norm() / (known.grad1.norm() * known.grad2.norm())
     reported = (*known.mu.components(), known.mu @ motion.V, known.alpha)
-    step = finished(
+    step = finish_step(
         tape, level, model, motion, gains, bounds, wanted, reported, known.beta, specification.heading, sine
     )
     return ImplicitLaw(step, over_arc)
@@ -239,7 +239,7 @@ def curve_law(
         )
         beta = yaw.value({}, seen.gamma, travel)
     reported = (*seen.T[0].components(), seen.vT[0], alpha.c[0])
-    step = finished(tape, level, model, motion, gains, bounds, wanted, reported, beta, kind, seen.Q)
+    step = finish_step(tape, level, model, motion, gains, bounds, wanted, reported, beta, kind, seen.Q)
     return CurveLaw(step, curve, speed, yaw, bounds is not None)
 
 

@@ -22,7 +22,7 @@ from companion.law.feedback import Bounds, Wanted
 from companion.law.flight import Command, Flying, place
 from companion.law.gains import Gains, Level
 from companion.law.motion import Model
-from companion.law.recording import finished, inputs, known_motion
+from companion.law.recording import finish_step, inputs, known_motion
 
 NO_SCALES = (0.0, 0.0, 0.0, 1.0)
 """Factors on the speed and on the path poles, which a point does not have. By definition."""
@@ -68,7 +68,7 @@ def hold_law(
     beta = Taylor((yaw, 0.0, 0.0))
     reported: tuple[Scalar, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
     wanted = Wanted(derivative, errors / k2)
-    return HoldLaw(finished(tape, level, model, motion, gains, bounds, wanted, reported, beta, kind, 1.0))
+    return HoldLaw(finish_step(tape, level, model, motion, gains, bounds, wanted, reported, beta, kind, 1.0))
 
 
 def _within(vector: Vector, most: float) -> Vector:

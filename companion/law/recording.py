@@ -48,7 +48,7 @@ def known_motion(level: Level, model: Model, motion: Motion) -> tuple[Vector, ..
     return (*known, jerk(model, motion, A)) if level is Level.MOTORS else known
 
 
-def finished(
+def finish_step(
     tape: Tape, level: Level, model: Model, motion: Motion, gains: Gains, bounds: Bounds | None,
     wanted: Wanted, reported: tuple[Scalar, ...], beta: Taylor, kind: Heading, regularity: Scalar,
 ) -> Function:  # fmt: skip

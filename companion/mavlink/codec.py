@@ -76,7 +76,7 @@ class Decoder:
         frames = self._whole(data)
         if frames is not None:
             return frames
-        data = self._bounded(data)
+        data = self._bound(data)
         frames, used = self._scan(data)
         self.counters.garbage_bytes += len(data) - used
         return frames
@@ -89,7 +89,7 @@ class Decoder:
         pending = self._pending
         if not pending and frames is not None:
             return frames
-        data = self._bounded(data)
+        data = self._bound(data)
         if pending and (now - self._pending_at > UNFINISHED_MAX or frames is not None or _begins_whole(data)):
             self.counters.garbage_bytes += len(pending)
             self._pending = pending = b""
@@ -118,9 +118,9 @@ class Decoder:
         fmt = FORMATS.get(data[7] | data[8] << 8 | data[9] << 16)
         if fmt is None or not _crc_fits(fmt, data, 0, check):
             return None
-        return self._accepted(fmt, data, data[4], data[5], data[6], data[10:check])
+        return self._accept(fmt, data, data[4], data[5], data[6], data[10:check])
 
-    def _bounded(self, data: bytes) -> bytes:
+    def _bound(self, data: bytes) -> bytes:
         if len(data) <= DATAGRAM_MAX:
             return data
         self.counters.garbage_bytes += len(data) - DATAGRAM_MAX
@@ -151,7 +151,7 @@ class Decoder:
             found = _START.search(data, at + 1)
             at = size if found is None else found.start()
             if unknown is not None and at >= unknown[1]:
-                done, unknown = self._believed(data, done, unknown), None
+                done, unknown = self._pass_unknown(data, done, unknown), None
             if at == size:
                 break
             signature = 0
@@ -185,7 +185,7 @@ class Decoder:
                 false_starts_left -= 1
                 counters.bad_crc += unknown is None and unfinished == size
                 continue
-            frames += self._accepted(fmt, data[at:end], sequence, system, component, data[at + header : check])
+            frames += self._accept(fmt, data[at:end], sequence, system, component, data[at + header : check])
             counters.garbage_bytes += at - done
             done = end
             unfinished = size
@@ -194,7 +194,7 @@ class Decoder:
         counters.garbage_bytes += unfinished - done
         return frames, unfinished
 
-    def _believed(self, data: bytes, done: int, unknown: tuple[int, int, int, int]) -> int:
+    def _pass_unknown(self, data: bytes, done: int, unknown: tuple[int, int, int, int]) -> int:
         """Where a frame of a message that is not known here ends: what lies before it is garbage."""
         start, end, sequence, sender = unknown
         raw = data[start:end]
@@ -206,7 +206,7 @@ class Decoder:
         self.counters.garbage_bytes += start - done
         return end
 
-    def _accepted(
+    def _accept(
         self, fmt: Format, raw: bytes, sequence: int, system: int, component: int, payload: bytes
     ) -> list[Frame]:
         """Count a whole frame, and unpack it where it is wanted."""

@@ -133,11 +133,11 @@ class Link:
         if frame.format is HEARTBEAT:
             self._meet(frame, now)
         elif frame.format is COMMAND_ACK and self._of_camera(frame):
-            return self._acknowledged(frame, now)
+            return self._match_acknowledgement(frame, now)
         elif not self.of_vehicle(frame):
             return None
         elif frame.format is COMMAND_ACK:
-            return self._acknowledged(frame, now)
+            return self._match_acknowledgement(frame, now)
         elif frame.format is TIMESYNC:
             self._synchronise(frame, now)
         elif frame.format is AUTOPILOT_VERSION:
@@ -198,11 +198,11 @@ class Link:
         self.requests.set_up([request(AUTOPILOT_VERSION.id), *self.streams])
         self.on_timer(now)
 
-    def _acknowledged(self, frame: Frame, now: float) -> tuple[Command, int] | None:
+    def _match_acknowledgement(self, frame: Frame, now: float) -> tuple[Command, int] | None:
         command, result, _, _, system, component = frame.values
         if (system, component) not in ((0, 0), (self.encoder.system, self.encoder.component)):
             return None
-        return self.requests.acknowledged(command, result, now, frame.component)
+        return self.requests.match_acknowledgement(command, result, now, frame.component)
 
     def _identify(self, frame: Frame) -> None:
         values = AUTOPILOT_VERSION.named(frame.values)

@@ -114,7 +114,7 @@ class Parameters:
     def receive(self, frame: Frame) -> None:
         """Take in PARAM_VALUE and PARAM_ERROR of the vehicle."""
         if frame.format is VALUE:
-            name, parameter = _decoded(frame)
+            name, parameter = _decode(frame)
             asked = self._asked.get(name)
             if parameter is None or (asked is None and name not in self.values):
                 return  # nobody asked
@@ -166,7 +166,7 @@ class Parameters:
         self.send(RAW_SET, (raw, *target, name.encode("ascii"), known.kind))
 
 
-def _decoded(frame: Frame) -> tuple[str, ParameterValue | None]:
+def _decode(frame: Frame) -> tuple[str, ParameterValue | None]:
     """Name and value of a PARAM_VALUE, by its own type; None for a type PX4 does not use and for what is no number."""
     _, _, _, name, kind = frame.values
     payload = 10 if frame.raw[0] == MAGIC_V2 else 6

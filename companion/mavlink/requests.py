@@ -123,7 +123,7 @@ class Requests:
         self._unanswered.append((command, now))
         self.send(command, min(confirmation, 255))
 
-    def acknowledged(
+    def match_acknowledgement(
         self, command: int, result: int, now: float, component: int = MAV_COMP_ID_AUTOPILOT1
     ) -> tuple[Command, int] | None:
         """A COMMAND_ACK for us. The command of the flight that it answers, and its MAV_RESULT.

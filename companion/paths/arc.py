@@ -54,7 +54,7 @@ def _quintic(p0: float, v0: float, a0: float, p1: float, v1: float, a1: float, h
     )
 
 
-def evaluated(piece: Piece, u: float) -> tuple[Vec3, Vec3, Vec3]:
+def evaluate(piece: Piece, u: float) -> tuple[Vec3, Vec3, Vec3]:
     """Point, first and second derivative of ``piece``, ``u`` after its beginning."""
     (a5, a4, a3, a2, a1, a0), (b5, b4, b3, b2, b1, b0), (c5, c4, c3, c2, c1, c0) = piece
     return (
@@ -102,7 +102,7 @@ class ArcTable:
         """Point, first and second derivative at arc length ``s``; wrapped where closed, clamped where open."""
         s = self.within(s)
         i = min(bisect_right(self.knots, s), len(self.pieces)) - 1
-        return evaluated(self.pieces[i], s - self.knots[i])
+        return evaluate(self.pieces[i], s - self.knots[i])
 
     def within(self, s: float) -> float:
         """``s`` as an arc length of the curve."""

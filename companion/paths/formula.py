@@ -41,15 +41,15 @@ class Formula:
 
     @cached_property
     def _one(self) -> Function:
-        tape, outputs = self._recorded()
+        tape, outputs = self._record()
         return tape.function("gamma", outputs)
 
     @cached_property
     def _many(self) -> ArrayFunction:
-        tape, outputs = self._recorded()
+        tape, outputs = self._record()
         return tape.array_function("gamma", outputs)
 
-    def _recorded(self) -> tuple[Tape, list[Scalar]]:
+    def _record(self) -> tuple[Tape, list[Scalar]]:
         tape = Tape()
         (u,) = tape.inputs("u")
         along = Taylor((u, 1.0, 0.0, 0.0, 0.0))

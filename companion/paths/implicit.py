@@ -11,7 +11,7 @@ from companion.calculus.scalar import Scalar
 from companion.frames import Vec3
 from companion.paths.arc import ArcTable
 from companion.paths.placement import Placement
-from companion.paths.tracing import PathError, traced
+from companion.paths.tracing import PathError, trace_curve
 
 VARIABLES = ("x", "y", "z")
 
@@ -42,4 +42,4 @@ class ImplicitPath:
         PathError: h1 = h2 = 0 is no path there."""
         if self.near is None:
             raise PathError("is not known to lie anywhere: no point near it is given")
-        return traced(self.h, self.placement.to_local(self.near))
+        return trace_curve(self.h, self.placement.to_local(self.near))

@@ -105,7 +105,7 @@ def measured(many: Many, begin: float, end: float, closed: bool, breaks: tuple[f
         pending = np.concatenate([np.stack([halved[:, 0], middle], 1), np.stack([middle, halved[:, 1]], 1)])
         if count + len(pending) > KNOTS_MAX or sum(float(d.lengths.sum()) for d in done) > LENGTH_MAX:
             raise PathError(f"is longer than {LENGTH_MAX / 1000:g} km, or turns too often")
-    table, arc_map = _assembled(done, end, closed)
+    table, arc_map = _assemble(done, end, closed)
     if table.length > LENGTH_MAX:
         raise PathError(f"is longer than {LENGTH_MAX / 1000:g} km")
     if closed:
@@ -195,7 +195,7 @@ def _quintics(points: list[Array], tangents: list[Array], bends: list[Array], le
     return np.stack(coefficients, axis=-1)
 
 
-def _assembled(done: list[_Intervals], end: float, closed: bool) -> tuple[ArcTable, ArcMap]:
+def _assemble(done: list[_Intervals], end: float, closed: bool) -> tuple[ArcTable, ArcMap]:
     begins = np.concatenate([d.begins for d in done])
     order = np.argsort(begins)
     lengths = np.concatenate([d.lengths for d in done])[order]

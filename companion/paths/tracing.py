@@ -16,7 +16,7 @@ from companion.calculus.straight import Function, Tape
 from companion.calculus.taylor import Gradient, Taylor
 from companion.calculus.vectors import Vector
 from companion.frames import Vec3
-from companion.paths.arc import ArcTable, Knot, Piece, evaluated, quintic
+from companion.paths.arc import ArcTable, Knot, Piece, evaluate, quintic
 from companion.vehicle import CompanionError
 
 PathFunction = Callable[[tuple[Scalar, Scalar, Scalar]], tuple[Scalar, Scalar]]
@@ -92,10 +92,10 @@ class _Curve:
         return Knot(p, values[8:11], values[11:14])  # type: ignore[arg-type]
 
 
-def traced(h: PathFunction, near: Vec3) -> ArcTable:
+def trace_curve(h: PathFunction, near: Vec3) -> ArcTable:
     """The closed curve through the point next to ``near``. PathError: there is none, it ends, or is not regular."""
     try:
-        curve = _Curve(_recorded(h))
+        curve = _Curve(_record(h))
     except (ValueError, ArithmeticError):
         raise PathError("is nowhere regular: the gradients of h1 and h2 are parallel or undefined everywhere") from None
     first = here = curve.knot(curve.project(near, reach=1e4))
@@ -156,15 +156,15 @@ def _segment(curve: _Curve, a: Knot, b: Knot) -> tuple[Piece, float, float]:
     length = math.dist(a.point, b.point)
     for _ in range(20):
         piece = quintic(a, b, length)
-        speeds = (weight * math.hypot(*evaluated(piece, 0.5 * length * (node + 1.0))[1]) for node, weight in _NODES)
+        speeds = (weight * math.hypot(*evaluate(piece, 0.5 * length * (node + 1.0))[1]) for node, weight in _NODES)
         measured = 0.5 * length * sum(speeds)
         if abs(measured - length) < 1e-13 * length:
             break
         length = measured
-    return piece, length, math.hypot(*curve.correction(evaluated(piece, 0.5 * length)[0]))
+    return piece, length, math.hypot(*curve.correction(evaluate(piece, 0.5 * length)[0]))
 
 
-def _recorded(h: PathFunction) -> Function:
+def _record(h: PathFunction) -> Function:
     """The function of ``_Curve``."""
     tape = Tape()
     x, y, z = tape.inputs("x", "y", "z")

@@ -83,17 +83,17 @@ class _Walk:
                 break
             reached.setdefault(self._at, len(self._waypoints))
             if item.command == MAV_CMD_DO_JUMP:
-                if not self._jumped(item, index, reached, jumps):
+                if not self._jump(item, index, reached, jumps):
                     break
-            elif self._executed(item):
+            elif self._execute(item):
                 self._at += 1
             else:
                 break
         if self._problems:
             raise PlanError(self._problems)
-        return self._finished()
+        return self._result()
 
-    def _finished(self) -> Route:
+    def _result(self) -> Route:
         waypoints = self._waypoints
         closed = self._closed_from is not None
         if self._closed_from is not None:
@@ -114,18 +114,18 @@ class _Walk:
         said = [f"{words}{items_in_words(items, self._line_of)}" for words, items in self._notes.items()]
         return Route(tuple(waypoints), closed, (*self._plan.notes, *said))
 
-    def _executed(self, item: Item) -> bool:
+    def _execute(self, item: Item) -> bool:
         """Whether the route goes on after ``item``."""
         command = item.command
         if command in c.MOVES:
-            self._moved(item)
+            self._add_waypoint(item)
             if command == MAV_CMD_NAV_LOITER_UNLIM:
                 self._note("the path ends where the plan loiters", item)
                 return False
         elif command == MAV_CMD_NAV_TAKEOFF:
-            self._took_off(item)
+            self._add_takeoff(item)
         elif command == MAV_CMD_NAV_LAND:
-            self._landed(item)
+            self._add_landing(item)
             return False
         elif command == MAV_CMD_NAV_RETURN_TO_LAUNCH:
             self._note("the path ends where the plan returns home; the vehicle is handed back there, in Hold", item)
@@ -137,12 +137,12 @@ class _Walk:
         elif command == MAV_CMD_NAV_PAYLOAD_PLACE or (command < MAV_CMD_NAV_LAST and command not in (80, 92)):
             self._problem(item, f"command {command} says where to fly in a way that is not known here")
         elif command in PAYLOAD:
-            self._ordered(item)
+            self._trigger_payload(item)
         elif command != MAV_CMD_DO_LAND_START:
             self._note(f"command {command} is not known here and not carried out", item)
         return True
 
-    def _ordered(self, item: Item) -> None:
+    def _trigger_payload(self, item: Item) -> None:
         """The payload does something where the waypoint before is reached."""
         given = tuple(value if math.isfinite(value) else 0.0 for value in item.params)
         order = PayloadCommand(item.command, given, item.number)
@@ -152,7 +152,7 @@ class _Walk:
             last = self._waypoints[-1]
             self._waypoints[-1] = last._replace(payload=(*last.payload, order))
 
-    def _moved(self, item: Item) -> None:
+    def _add_waypoint(self, item: Item) -> None:
         place = self._place(item)
         if place is None:
             return
@@ -164,7 +164,7 @@ class _Walk:
             self._note("spline waypoints are flown as waypoints; say smooth: true for a smooth curve", item)
         self._waypoints.append(Waypoint(place, self._speed, self._facing(item), item.key, item.number))
 
-    def _took_off(self, item: Item) -> None:
+    def _add_takeoff(self, item: Item) -> None:
         latitude, longitude, altitude = item.params[4:7]
         home = self._plan.home
         if not math.isfinite(latitude) or not math.isfinite(longitude) or latitude == longitude == 0.0:
@@ -176,7 +176,7 @@ class _Walk:
         if place is not None:
             self._waypoints.append(Waypoint(place, self._speed, self._facing(None), item.key, item.number))
 
-    def _landed(self, item: Item) -> None:
+    def _add_landing(self, item: Item) -> None:
         self._note("the path ends above the landing place; the vehicle is handed back there, in Hold", item)
         latitude, longitude = item.params[4:6]
         if (
@@ -192,7 +192,7 @@ class _Walk:
             above = place._replace(altitude=before.altitude, amsl=before.amsl)
             self._waypoints.append(Waypoint(above, self._speed, self._facing(item), item.key, item.number))
 
-    def _changed_speed(self, item: Item) -> None:
+    def _change_speed(self, item: Item) -> None:
         kind, speed = item.params[0], item.params[1]
         if kind not in (0.0, 1.0):
             self._note("speeds of climbing and sinking are not changed", item)
@@ -203,28 +203,28 @@ class _Walk:
         elif speed != -1.0:
             self._problem(item, f"a speed of {speed:g} m/s; expected more than 0, or -1 for no change")
 
-    def _faced(self, item: Item) -> None:
+    def _face_place(self, item: Item) -> None:
         if item.command == MAV_CMD_DO_SET_ROI and item.params[0] != 3.0:
             self._note("regions of interest that are not places are skipped", item)
             return
         self._roi = None if item.params[4] == item.params[5] == 0.0 else self._place(item)
 
-    def _faced_nothing(self, item: Item) -> None:
+    def _face_nothing(self, item: Item) -> None:
         self._roi = None
 
-    def _faced_next(self, item: Item) -> None:
+    def _face_next(self, item: Item) -> None:
         self._note("the camera's offset from the way of travel is not flown, the nose goes along the path", item)
 
-    def _turned(self, item: Item) -> None:
+    def _turn(self, item: Item) -> None:
         if item.params[3] == 1.0:
             self._note("turns by an angle are skipped", item)
         elif math.isfinite(item.params[0]):
             self._yaw = item.params[0] % 360.0
 
-    def _delayed(self, item: Item) -> None:
+    def _pass_over_pause(self, item: Item) -> None:
         self._note("pauses are not made, the path is flown without a stop", item)
 
-    def _jumped(self, item: Item, index: dict[int, int], reached: dict[int, int], jumps: dict[int, int]) -> bool:
+    def _jump(self, item: Item, index: dict[int, int], reached: dict[int, int], jumps: dict[int, int]) -> bool:
         """Whether the route goes on."""
         target, repeat = item.params[0], item.params[1]
         if not math.isfinite(target) or int(target) not in index:
@@ -266,13 +266,13 @@ class _Walk:
 
 
 _CHANGES: dict[int, Callable[[_Walk, Item], None]] = {
-    MAV_CMD_DO_CHANGE_SPEED: _Walk._changed_speed,
-    MAV_CMD_DO_SET_ROI_LOCATION: _Walk._faced,
-    MAV_CMD_DO_SET_ROI: _Walk._faced,
-    MAV_CMD_DO_SET_ROI_NONE: _Walk._faced_nothing,
-    MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET: _Walk._faced_next,
-    MAV_CMD_CONDITION_YAW: _Walk._turned,
-    MAV_CMD_NAV_DELAY: _Walk._delayed,
-    MAV_CMD_CONDITION_DELAY: _Walk._delayed,
-    MAV_CMD_CONDITION_DISTANCE: _Walk._delayed,
+    MAV_CMD_DO_CHANGE_SPEED: _Walk._change_speed,
+    MAV_CMD_DO_SET_ROI_LOCATION: _Walk._face_place,
+    MAV_CMD_DO_SET_ROI: _Walk._face_place,
+    MAV_CMD_DO_SET_ROI_NONE: _Walk._face_nothing,
+    MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET: _Walk._face_next,
+    MAV_CMD_CONDITION_YAW: _Walk._turn,
+    MAV_CMD_NAV_DELAY: _Walk._pass_over_pause,
+    MAV_CMD_CONDITION_DELAY: _Walk._pass_over_pause,
+    MAV_CMD_CONDITION_DISTANCE: _Walk._pass_over_pause,
 }

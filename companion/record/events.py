@@ -85,19 +85,19 @@ def flight_events(estimated: Series, table: Table, simulation: dict[str, Any] | 
         speed = abs(estimated["speed"][0])
         off, asked = estimated["path_error"][0], abs(estimated["alpha"][0])
         what = f"began {off:.1f} m off the path, at {speed:.1f} of {asked:.1f} m/s"
-        found.append(_measured(estimated, "start", what, 0.0, 0.0))
-    done = [_measured(estimated, *event) for event in _world_events(estimated, table, simulation)]
+        found.append(_measure(estimated, "start", what, 0.0, 0.0))
+    done = [_measure(estimated, *event) for event in _world_events(estimated, table, simulation)]
     found += done
     for begin, end in _spans(estimated, _standing(estimated), STANDING_FOR):
         if not any(each.begin - 1.0 < end and begin < each.end + 1.0 for each in done if each.kind == "hold"):
-            found.append(_measured(estimated, "stood", "stood still, though the path goes on", begin, end))
+            found.append(_measure(estimated, "stood", "stood still, though the path goes on", begin, end))
     for begin, end in _spans(estimated, estimated["saturated"] > 0.0, LIMIT_FOR):
-        found.append(_measured(estimated, "at_limit", "a limit of the vehicle was met", begin, end))
+        found.append(_measure(estimated, "at_limit", "a limit of the vehicle was met", begin, end))
     # records from before the pace was written have none
     slowed = np.nan_to_num(estimated.get("pace", np.ones(len(estimated["t"]))), nan=1.0) < SLOWED_BELOW
     for begin, end in _spans(estimated, slowed, LIMIT_FOR):
         found.append(
-            _measured(estimated, "slowed", "slowed down: the path asks for more than the vehicle has", begin, end)
+            _measure(estimated, "slowed", "slowed down: the path asks for more than the vehicle has", begin, end)
         )
     return sorted(found, key=lambda each: each.begin)
 
@@ -158,7 +158,7 @@ def offboard_at(table: Table) -> float | None:
     return float(later[0]) if len(later) else None
 
 
-def _measured(estimated: Series, kind: str, what: str, begin: float, end: float) -> FlightEvent:
+def _measure(estimated: Series, kind: str, what: str, begin: float, end: float) -> FlightEvent:
     t = estimated["t"]
     back = None if kind in OWN else _back(estimated, end)
     until = end if kind in OWN else float(t[-1]) if back is None else end + back

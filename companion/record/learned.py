@@ -34,7 +34,7 @@ def state_file(vehicle: str) -> Path | None:
     return None if directory is None else directory / f"{safe}.json"
 
 
-def recalled(file: Path | None) -> Learned | None:
+def load_learned(file: Path | None) -> Learned | None:
     """What was learned, with its age by the clock on the wall; None where there is nothing that makes sense."""
     if file is None:
         return None
@@ -55,7 +55,7 @@ def recalled(file: Path | None) -> Learned | None:
     return learned if sane(learned) else None
 
 
-def remembered(file: Path, learned: Learned) -> bool:
+def save_learned(file: Path, learned: Learned) -> bool:
     """Keep ``learned``; whether that was possible. A file half written is never left behind."""
     document = {
         "schema": SCHEMA,

@@ -100,7 +100,7 @@ class TableWriter(GrowingFile):
             return waiting
         whole = (self.written - self._start) // self.dtype.itemsize
         with open(self.descriptor, "rb", closefd=False) as file:
-            rows = mapped(file, self._start, whole, self.dtype)
+            rows = map_rows(file, self._start, whole, self.dtype)
         return rows if not len(waiting) else np.concatenate([rows, waiting])
 
     def _whole(self, unwritten: bytes) -> bytes:
@@ -152,7 +152,7 @@ def read_table(path: Path, columns: tuple[Column, ...] | None = None) -> ReadTab
                 np.zeros(0, dtype_of(columns)), f"{path.name} is cut within its header: no row of it is left"
             )
         start = file.tell()
-        rows = mapped(file, start, (size - start) // dtype.itemsize, dtype)
+        rows = map_rows(file, start, (size - start) // dtype.itemsize, dtype)
     if len(rows) > counted:
         rows = rows[: counted + _unbroken(rows[clock], counted)]
     if start + counted * dtype.itemsize == size:
@@ -165,7 +165,7 @@ def load_table(path: Path) -> Table:
     return read_table(path).rows
 
 
-def mapped(file: BinaryIO, start: int, count: int, dtype: np.dtype[np.void]) -> Table:
+def map_rows(file: BinaryIO, start: int, count: int, dtype: np.dtype[np.void]) -> Table:
     """``count`` rows of an open file from byte ``start`` on, read from the disk as they are used."""
     if count <= 0:
         return np.zeros(0, dtype)

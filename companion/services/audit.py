@@ -32,11 +32,11 @@ class Finding(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """``judged``: the weight of a value, beside all the others. ``elsewhere``: the parameter that says the same in
+    """``judge``: the weight of a value, beside all the others. ``elsewhere``: the parameter that says the same in
     other versions of PX4; where that is there and this is not, there is nothing to say."""
 
     parameter: str
-    judged: Callable[[float, Values], Weight]
+    judge: Callable[[float, Values], Weight]
     advised: str
     why: str
     elsewhere: str | None = None
@@ -129,14 +129,14 @@ RULES: tuple[Rule, ...] = (
 )  # fmt: skip
 
 
-def audited(values: Values) -> list[Finding]:
+def audit_parameters(values: Values) -> list[Finding]:
     """Every rule on a vehicle's parameters."""
     findings = []
     for rule in RULES:
         value = values.get(rule.parameter)
         if value is None and rule.elsewhere in values:
             continue
-        weight = Weight.ADVICE if value is None else rule.judged(value, values)
+        weight = Weight.ADVICE if value is None else rule.judge(value, values)
         why = rule.why if value is not None else f"this firmware does not have it; {rule.why}"
         findings.append(Finding(rule.parameter, value, weight, rule.advised, why, in_words(rule.parameter, value)))
     return findings

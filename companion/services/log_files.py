@@ -33,10 +33,10 @@ def fetch_log(vehicle: ConnectedVehicle, folder: Path, progress: Progress) -> Pa
         raise ServiceError("the vehicle is armed and still writes its log; once disarmed: companion vehicle log")
     ftp = Ftp(vehicle.system)
     try:
-        path = closed_log(ftp)
+        path = wait_for_closed_log(ftp)
     except FtpError as error:
         raise ServiceError(f"the vehicle does not show its files by MAVLink FTP ({error.result.name})") from None
-    return _downloaded(ftp, path, folder, progress)
+    return _download(ftp, path, folder, progress)
 
 
 def is_armed(telemetry: Any) -> bool:
@@ -60,7 +60,7 @@ def newest(names: list[str]) -> str | None:
     return None
 
 
-def closed_log(ftp: Any) -> str:
+def wait_for_closed_log(ftp: Any) -> str:
     """The path of the newest log, once it has stopped growing. ServiceError: it has not, or there is none."""
     ends = time.monotonic() + CLOSED_WITHIN
     seen = _newest_log(ftp)
@@ -96,7 +96,7 @@ def _newest_log(ftp: Any) -> tuple[str, int]:
     raise ServiceError("the vehicle has no log; is SDLOG_MODE -1, or its card missing?")
 
 
-def _downloaded(ftp: Any, path: str, folder: Path, progress: Progress) -> Path:
+def _download(ftp: Any, path: str, folder: Path, progress: Progress) -> Path:
     from mavsdk.plugins.ftp import FtpResult
 
     told: queue.SimpleQueue[tuple[Any, int, int]] = queue.SimpleQueue()

@@ -155,7 +155,7 @@ class ConnectedVehicle:
 
 
 @contextmanager
-def connected(url: str) -> Iterator[ConnectedVehicle | None]:
+def connect_vehicle(url: str) -> Iterator[ConnectedVehicle | None]:
     """The vehicle at an address; None where no autopilot is heard. CompanionError: the address cannot be opened."""
     from mavsdk import ComponentType, Configuration, Mavsdk
     from mavsdk.connection_result import ConnectionResult

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from companion.record.report.palette import BLUE, VERMILION
-from companion.record.report.style import WIDTH, drawing, legend, named
+from companion.record.report.style import WIDTH, drawing, legend, name_y
 from companion.study.explaining import error_name, explained
 from companion.study.reading import Study
 
@@ -54,9 +54,9 @@ def _histogram(panel: Axes, known: list[Row], name: str) -> None:
     parts = _parts(known)
     errors = [[100.0 * row[name] for row in part] for _, _, part in parts]
     colours, labels = [colour for _, colour, _ in parts], [label for label, _, _ in parts]
-    panel.hist(errors, bins=min(BINS, max(5, len(known) // 4)), stacked=True, color=colours, label=labels)
+    panel.hist(errors, bins=min(BINS, max(5, len(known) // 4)), stack_panels=True, color=colours, label=labels)
     panel.set_xlabel("path error, cm rms, settled")
-    named(panel, "Flights")
+    name_y(panel, "Flights")
     legend(panel)
 
 
@@ -65,5 +65,5 @@ def _scatter(panel: Axes, known: list[Row], name: str, key: str) -> None:
         xs, ys = [row[f"vary.{key}"] for row in part], [100.0 * row[name] for row in part]
         panel.plot(xs, ys, ".", markersize=3.5, color=colour, label=label, alpha=0.7)
     panel.set_xlabel(key)
-    named(panel, "Path error, cm rms, settled")
+    name_y(panel, "Path error, cm rms, settled")
     legend(panel)

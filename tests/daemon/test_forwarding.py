@@ -32,7 +32,7 @@ from companion.daemon.forwarding import (
 from companion.daemon.port import AddressError
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import message
-from companion.services.vehicle import connected
+from companion.services.vehicle import connect_vehicle
 from companion.vehicle import OutputLevel
 from tests.support.flights import Flown, flight
 
@@ -234,7 +234,7 @@ def test_a_ground_station_and_mavsdk_work_through_it(tmp_path: Path) -> None:
         )
         assert answer is not None and answer.result == 0
         station.close()
-        with connected(f"udpin://127.0.0.1:{ports[2]}") as vehicle:
+        with connect_vehicle(f"udpin://127.0.0.1:{ports[2]}") as vehicle:
             assert vehicle is not None
             assert Param(vehicle.system).get_param_float("COM_OF_LOSS_T") == 1.0
             telemetry, ends = Telemetry(vehicle.system), time.monotonic() + 20.0

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.cli.check import looked_at
+from companion.cli.check import check_sortie
 from companion.cli.finish import COMPLETED, Ending
 from companion.cli.new import new
 from companion.cli.output import Output
@@ -26,7 +26,7 @@ def test_a_plan_flies_and_is_replayed(tmp_path: Path, output: Output, from_groun
     file = written(
         tmp_path / "field.plan", waypoint(0, 0, 8, command=22), waypoint(15, 0, 8), item(178, 1, 2), waypoint(15, 15, 9)
     )
-    sortie, found = looked_at(read_sortie(str(file), None, output, direct=True))
+    sortie, found = check_sortie(read_sortie(str(file), None, output, direct=True))
     assert found.feasible
     folder = tmp_path / "flight"
     simulation = Simulation(sortie, read_world("ideal", 0), from_ground, 6.0, folder, Ending(True, 2.0))
@@ -43,7 +43,7 @@ def test_a_plan_flies_and_is_replayed(tmp_path: Path, output: Output, from_groun
 @pytest.mark.parametrize("kind", PATHS)
 def test_an_example_of_every_kind_flies(kind: str, tmp_path: Path) -> None:
     new(kind, tmp_path / "mine.yaml", force=False)
-    sortie = looked_at(read_sortie(str(tmp_path / "mine.yaml"), None, Output.MOTORS, direct=True))[0]
+    sortie = check_sortie(read_sortie(str(tmp_path / "mine.yaml"), None, Output.MOTORS, direct=True))[0]
     folder = tmp_path / "flight"
     assert in_lockstep(Simulation(sortie, read_world("ideal", 0), False, 2.0, folder, Ending(True, 0.5))) == COMPLETED
     figures = json.loads((folder / "summary.json").read_text())

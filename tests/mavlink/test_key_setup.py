@@ -62,7 +62,7 @@ def test_another_key_and_an_armed_vehicle_are_refused_and_no_key_is_sent() -> No
 
 def test_a_vehicle_that_cannot_sign_is_refused_with_its_version() -> None:
     bridge = Bridge(load_vehicle("x500"), World(), landed=True)
-    bridge.keys.requested = lambda *_, **__: None  # type: ignore[method-assign]
+    bridge.keys.set_up = lambda *_, **__: None  # type: ignore[method-assign]
     setup, sent = given(bridge)
     assert setup.refusal is not None
     version = setup.link.identity.version if setup.link.identity else None

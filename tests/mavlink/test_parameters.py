@@ -31,7 +31,7 @@ class Pair:
     def _up(self, fmt: Format, values: tuple[Value, ...]) -> None:
         frame = arrived(191, fmt, values)
         if self.rng.random() >= self.loss:
-            {"PARAM_REQUEST_READ": self.link.read, "PARAM_SET": self.link.set}[frame.format.name](frame)
+            {"PARAM_REQUEST_READ": self.link.send_requested, "PARAM_SET": self.link.change}[frame.format.name](frame)
 
     def _down(self, fmt: Format, values: tuple[Value, ...]) -> None:
         if self.rng.random() >= self.loss:
@@ -142,7 +142,7 @@ def test_motors_only_where_the_vehicle_declares_them() -> None:
 
 def test_only_what_was_asked_for_is_kept() -> None:
     pair = Pair()
-    pair.link.read(arrived(191, *read("MC_ROLL_P")))  # somebody else's question, answered to all
+    pair.link.send_requested(arrived(191, *read("MC_ROLL_P")))  # somebody else's question, answered to all
     assert pair.ours.values == {}
 
 

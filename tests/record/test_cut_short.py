@@ -124,7 +124,9 @@ def test_a_table_cut_anywhere_is_read_up_to_the_cut(tmp_path: Path) -> None:
 def test_blocks_that_a_power_cut_left_empty_are_no_rows(tmp_path: Path) -> None:
     path = written(tmp_path / "flight.npy", 20)
     with path.open("ab") as file:
-        file.write(TableWriter(path, COLUMNS)._packer.pack(3.1, 7.0, 1) + bytes(13 * 5))  # one row whole, then nothing
+        file.write(
+            TableWriter(path, COLUMNS)._packer.pack((3.1, 7.0, 1)) + bytes(13 * 5)
+        )  # one row whole, then nothing
     rows, cut = read_table(path)
     assert len(rows) == 21 and rows["x"][-1] == 7.0
     assert cut == "flight.npy was cut short; 21 whole rows of it are read"

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from companion.cli.commands import app
 from companion.estimation.estimator import DRAG_STD, THRUST_SCALE_STD
 from companion.estimation.learned import AGEING, Learned, prior_of, sane
-from companion.record.learned import recalled, remembered, state_file
+from companion.record.learned import load_learned, save_learned, state_file
 from companion.vehicle import OutputLevel
 from trials.measured import course, machine, measured, world
 
@@ -38,7 +38,7 @@ def test_what_was_hardly_known_is_believed_less_and_stays_near_the_file() -> Non
 def test_a_file_of_before_deviations_were_kept_is_still_read(tmp_path: Path) -> None:
     file = tmp_path / "quad.json"
     file.write_text('{"hover_thrust": 0.5, "drag_per_s": 0.8, "rate_loop_lag_s": 0.065, "flown_at": 1.0}')
-    old = recalled(file)
+    old = load_learned(file)
     assert old is not None
     assert (old.hover_thrust_std, old.drag_std) == (0.0, 0.0)
 
@@ -69,10 +69,10 @@ def test_kept_and_recalled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     file = state_file("my quad/../x")
     assert file.parent == tmp_path / "companion"
-    assert recalled(file) is None
+    assert load_learned(file) is None
     found = FOUND._replace(hover_thrust_std=0.004, drag_std=0.03)
-    assert remembered(file, found)
-    again = recalled(file)
+    assert save_learned(file, found)
+    again = load_learned(file)
     assert again is not None
     assert again[:3] == found[:3]
     assert again[4:] == found[4:]
@@ -83,12 +83,12 @@ def test_kept_and_recalled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 def test_a_spoiled_file_is_as_good_as_none(tmp_path: Path, text: str) -> None:
     file = tmp_path / "quad.json"
     file.write_text(text)
-    assert recalled(file) is None
+    assert load_learned(file) is None
 
 
 def test_a_place_that_cannot_be_written_is_no_fault(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    assert not remembered(tmp_path / "file" / "quad.json", FOUND)
+    assert not save_learned(tmp_path / "file" / "quad.json", FOUND)
 
 
 def test_a_flight_finds_out_what_its_vehicle_is() -> None:
@@ -108,7 +108,7 @@ def test_what_is_learned_is_shown_beside_the_file(tmp_path: Path, monkeypatch: p
     assert told.exit_code == 0 and "nothing is learned of it yet" in told.output
     file = state_file("x500")
     assert file is not None
-    assert remembered(file, Learned(0.54, 0.35, 0.055, 0.0, 0.004, 0.02, 0.31))
+    assert save_learned(file, Learned(0.54, 0.35, 0.055, 0.0, 0.004, 0.02, 0.31))
     told = runner.invoke(app, ["vehicle", "show", "x500"])
     assert (
         "0.54 +- 0.004" in told.output

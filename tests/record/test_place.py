@@ -19,7 +19,7 @@ from companion.cli.commands import app
 from companion.config.syntax.faults import ConfigError
 from companion.record import folder, place
 from companion.record.folder import Recorder, Source
-from companion.record.learned import recalled, state_file
+from companion.record.learned import load_learned, state_file
 from companion.record.place import new_directory
 
 MISSION = Source("mission.yaml", "mission: x\n", ("field.plan", "{}"))
@@ -156,7 +156,7 @@ def test_a_user_without_a_home(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("XDG_STATE_HOME", raising=False)
     monkeypatch.setattr(Path, "home", nobody)
     assert state_file("x500") is None
-    assert recalled(None) is None
+    assert load_learned(None) is None
 
 
 def test_a_change_at_any_instant_of_a_write_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ from companion.record.ulog.clock import Alignment, alignment
 from companion.record.ulog.joined import VehicleLog, joined, keep, kept
 from companion.record.ulog.reading import LogSeries, read_ulog
 from companion.record.ulog.topics import BODY_RATES
-from sim_bridge.autopilot.logger.logger import TOPICS
+from sim_bridge.autopilot.logger.logger import LOGGED
 from sim_bridge.autopilot.logger.ulog import ULogFile
 
 pytest.importorskip("pyulog", reason="the extra ulog is not installed")
@@ -32,7 +32,7 @@ SHIFT = 37.123
 def logged(table: Table, shift: float, noise: float = 0.0) -> bytes:
     """A log of a recorded flight as PX4 would have written it: 50 Hz of body rates, its own noise."""
     rng = np.random.default_rng(1)
-    file = ULogFile(TOPICS, 0, {"sys_name": "PX4"})
+    file = ULogFile([each.topic for each in LOGGED], 0, {"sys_name": "PX4"})
     rows = table[table["fresh"] == 1]
     due = -1.0
     for row in rows:
@@ -129,7 +129,7 @@ def test_every_export_has_the_vehicles_curves(folder: Path) -> None:
         (b"", "no ULog"),
         (b"not a log at all", "no ULog"),
         (None, "cannot be read"),
-        (ULogFile(TOPICS, 0, {}).data, "vehicle_angular_velocity"),
+        (ULogFile([each.topic for each in LOGGED], 0, {}).data, "vehicle_angular_velocity"),
     ],
 )
 def test_what_is_no_log_of_a_flight_is_said_in_one_line(

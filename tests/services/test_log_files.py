@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from companion.services import log_files
-from companion.services.log_files import closed_log, is_armed
+from companion.services.log_files import is_armed, wait_for_closed_log
 from companion.services.vehicle import ServiceError
 
 
@@ -29,9 +29,9 @@ class Card:
 def test_a_log_is_taken_once_it_stands_still_and_never_half(monkeypatch: pytest.MonkeyPatch) -> None:
     slept: list[float] = []
     monkeypatch.setattr(log_files, "time", SimpleNamespace(monotonic=lambda: sum(slept), sleep=slept.append))
-    assert closed_log(Card(iter([10, 20, 30, 30]))) == "/fs/microsd/log/sess001/log001.ulg"
+    assert wait_for_closed_log(Card(iter([10, 20, 30, 30]))) == "/fs/microsd/log/sess001/log001.ulg"
     with pytest.raises(ServiceError, match=r"still writes .*log001\.ulg"):
-        closed_log(Card(iter(range(1_000_000))))
+        wait_for_closed_log(Card(iter(range(1_000_000))))
 
 
 class Telemetry:

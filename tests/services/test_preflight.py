@@ -16,7 +16,7 @@ from companion.config.plan.qgroundcontrol import plan_from
 from companion.config.vehicle import load_vehicle
 from companion.fence import Circle, Fence, Polygon
 from companion.geodesy import LocalFrame
-from companion.services.audit import RULES, Weight, audited
+from companion.services.audit import RULES, Weight, audit_parameters
 from companion.services.plan_check import differences
 from companion.services.vehicle import fence_items
 from sim_bridge.autopilot.parameters import defaults
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.xdist_group("real time")
 
 
 def weights(**changes: float) -> dict[str, Weight]:
-    return {finding.parameter: finding.weight for finding in audited({**defaults(), **changes})}
+    return {finding.parameter: finding.weight for finding in audit_parameters({**defaults(), **changes})}
 
 
 def test_px4s_defaults_are_no_danger_and_the_slow_failsafe_is_told() -> None:
@@ -49,37 +49,40 @@ def test_sticks_take_over_in_offboard_by_either_parameter() -> None:
     assert weights(MAN_OVERRIDE_SPD=-1.0)["MAN_OVERRIDE_SPD"] is Weight.ADVICE
     older = {name: value for name, value in defaults().items() if name != "MAN_OVERRIDE_SPD"}
     for value, weight in ((1, Weight.ADVICE), (3, Weight.FINE)):
-        found = {finding.parameter: finding for finding in audited({**older, "COM_RC_OVERRIDE": value})}
+        found = {finding.parameter: finding for finding in audit_parameters({**older, "COM_RC_OVERRIDE": value})}
         assert "MAN_OVERRIDE_SPD" not in found and found["COM_RC_OVERRIDE"].weight is weight
     assert found["COM_RC_OVERRIDE"].said == "3 (in auto modes and offboard)"
-    without = [finding.parameter for finding in audited({}) if "OVERRIDE" in finding.parameter]
+    without = [finding.parameter for finding in audit_parameters({}) if "OVERRIDE" in finding.parameter]
     assert without == ["COM_RC_OVERRIDE", "MAN_OVERRIDE_SPD"]
 
 
 def test_lost_sticks_that_only_hold_are_no_danger() -> None:
-    finding = next(f for f in audited({**defaults(), "NAV_RCL_ACT": 7}) if f.parameter == "NAV_RCL_ACT")
+    finding = next(f for f in audit_parameters({**defaults(), "NAV_RCL_ACT": 7}) if f.parameter == "NAV_RCL_ACT")
     assert finding.weight is Weight.FINE and finding.said == "7 (Hold, without a failsafe)"
 
 
 def test_a_firmware_that_lacks_one_says_so() -> None:
-    finding = next(f for f in audited({}) if f.parameter == "COM_OF_LOSS_T")
+    finding = next(f for f in audit_parameters({}) if f.parameter == "COM_OF_LOSS_T")
     assert finding.now is None
     assert "does not have it" in finding.why
 
 
 def test_numbers_have_their_names_and_units() -> None:
-    said = {finding.parameter: finding.said for finding in audited({**defaults(), "NAV_RCL_ACT": 2, "GF_ACTION": 99})}
+    said = {
+        finding.parameter: finding.said
+        for finding in audit_parameters({**defaults(), "NAV_RCL_ACT": 2, "GF_ACTION": 99})
+    }
     assert said["NAV_RCL_ACT"] == "2 (Return)" and said["COM_OF_LOSS_T"] == "1 s"
     assert said["GF_ACTION"] == "99 (not known to us)" and said["MPC_THR_HOVER"] == "0.5"
-    assert next(f.said for f in audited({}) if f.parameter == "NAV_RCL_ACT") == "-"
+    assert next(f.said for f in audit_parameters({}) if f.parameter == "NAV_RCL_ACT") == "-"
 
 
 def test_it_ends_with_a_verdict() -> None:
-    fine = [finding._replace(weight=Weight.FINE) for finding in audited(defaults())]
+    fine = [finding._replace(weight=Weight.FINE) for finding in audit_parameters(defaults())]
     assert verdict(fine, 50.0).startswith("Ready to fly")
     advised = [fine[0]._replace(weight=Weight.ADVICE), *fine[1:]]
     assert verdict(advised, 50.0) == f"Can be flown. Better first: {fine[0].parameter}."
-    cut = audited({**defaults(), "NAV_RCL_ACT": 6})
+    cut = audit_parameters({**defaults(), "NAV_RCL_ACT": 6})
     assert verdict(cut, 50.0) == "Do not fly: NAV_RCL_ACT is 6 (Disarm)."
     assert verdict(fine, 5.0) == "Do not fly: only 5 states a second arrive."
 

@@ -60,9 +60,9 @@ def fly_over_udp(case: Case, level: OutputLevel) -> tuple[Flight, float]:
         flight = Flight(case, level, Traffic(vehicle_of(level)))
         course = Course(flight, near.send)
         begun = clock()
-        looked_at = _LookedAt(port, near, conductor, course, {first}, begun)
+        check_sortie = _LookedAt(port, near, conductor, course, {first}, begun)
         try:
-            run(conductor, looked_at, None, flight.notes.append, WAIT_FOR_VEHICLE)
+            run(conductor, check_sortie, None, flight.notes.append, WAIT_FOR_VEHICLE)
             flight.done_at = clock() - begun
         except NoVehicleError:
             flight.done_at = clock() - begun

@@ -61,9 +61,9 @@ class PolesModel(Strict):
         if not all(math.isfinite(pole.real) and math.isfinite(pole.imag) for pole in poles):
             raise ValueError("holds a root that is not finite; expected negative numbers")
         if max(pole.real for pole in poles) >= 0.0:
-            raise ValueError(f"{_shown(poles)} is not stable; expected negative numbers")
+            raise ValueError(f"{_poles_text(poles)} is not stable; expected negative numbers")
         if not _in_pairs(poles):
-            raise ValueError(f"{_shown(poles)}: a complex root stands alone; expected pairs such as -2+1j, -2-1j")
+            raise ValueError(f"{_poles_text(poles)}: a complex root stands alone; expected pairs such as -2+1j, -2-1j")
         return poles
 
 
@@ -75,7 +75,7 @@ def _in_pairs(poles: list[complex]) -> bool:
     )
 
 
-def _shown(poles: list[complex]) -> str:
+def _poles_text(poles: list[complex]) -> str:
     return "[" + ", ".join(f"{p.real:g}" if p.imag == 0.0 else f"{p.real:g}{p.imag:+g}j" for p in poles) + "]"
 
 

@@ -62,7 +62,7 @@ class _Reader:
             notes.append("the plan was made for another kind of vehicle than a multirotor")
         speed = mission.get("hoverSpeed")
         if speed is not None and (not _is_number(speed) or not 0.0 < speed <= 100.0):
-            self._fault(("mission", "hoverSpeed"), f"{_shown(speed)} is no speed; expected 0 to 100 m/s")
+            self._fault(("mission", "hoverSpeed"), f"{_printable(speed)} is no speed; expected 0 to 100 m/s")
             speed = None
         return Plan(
             items=tuple(self._items(mission)),
@@ -93,14 +93,14 @@ class _Reader:
         for i, given in enumerate(self._list(mission, ("mission", "items"))):
             key: Key = ("mission", "items", i)
             if not isinstance(given, dict):
-                self._fault(key, f"{_shown(given)} is not an item")
+                self._fault(key, f"{_printable(given)} is not an item")
             elif given.get("type") == "ComplexItem":
                 found += self._complex(given, key, found[-1].number + 1 if found else 1)
             elif given.get("type") == "SimpleItem":
                 found += self._simple(given, key)
             else:
                 kinds = "SimpleItem or ComplexItem"
-                self._fault((*key, "type"), f"{_shown(given.get('type'))} is not known; expected {kinds}")
+                self._fault((*key, "type"), f"{_printable(given.get('type'))} is not known; expected {kinds}")
         return found
 
     def _simple(self, given: dict[str, Any], key: Key) -> list[Item]:
@@ -108,7 +108,7 @@ class _Reader:
         for name, default in (("command", None), ("frame", None), ("doJumpId", 0)):
             value: Any = given.get(name, default)
             if not _is_number(value) or int(value) != value or not 0 <= value < 1e6:
-                wrong = "missing" if value is None else f"{_shown(value)} is not a whole number"
+                wrong = "missing" if value is None else f"{_printable(value)} is not a whole number"
                 self._fault((*key, name), f"{wrong}; expected one from 0 up")
                 return []
             whole.append(int(value))
@@ -118,7 +118,7 @@ class _Reader:
             return []
         for j, value in enumerate(params):
             if value is not None and not _is_number(value):
-                self._fault((*key, "params", j), f"{_shown(value)} is not a number")
+                self._fault((*key, "params", j), f"{_printable(value)} is not a number")
                 return []
         values = tuple(math.nan if value is None else float(value) for value in params)
         return [Item(whole[0], whole[1], values, whole[2] or int(key[2]) + 1, key)]
@@ -137,7 +137,7 @@ class _Reader:
                 if isinstance(item, dict):
                     found += self._simple(item, (*inner, "Items", i))
                 else:
-                    self._fault((*inner, "Items", i), f"{_shown(item)} is not an item")
+                    self._fault((*inner, "Items", i), f"{_printable(item)} is not an item")
             return found
         if kind == "StructureScan":
             return self._scan(given, key, number)
@@ -145,7 +145,7 @@ class _Reader:
             self._fault((*key, "complexItemType"), f"{LANDING_PATTERNS[kind]} is not for a quadrotor")
         else:
             known = "survey, CorridorScan or StructureScan"
-            self._fault((*key, "complexItemType"), f"{_shown(kind)} is not known; expected {known}")
+            self._fault((*key, "complexItemType"), f"{_printable(kind)} is not known; expected {known}")
         return []
 
     def _scan(self, given: dict[str, Any], key: Key, number: int) -> list[Item]:
@@ -213,7 +213,7 @@ class _Reader:
     def _numbers(self, given: Any, key: Key, count: int) -> list[float] | None:
         if not isinstance(given, list) or len(given) != count or not all(map(_is_number, given)):
             self._fault(
-                key, f"{_shown(given)}; expected {count} numbers: latitude, longitude" + ", altitude" * (count - 2)
+                key, f"{_printable(given)}; expected {count} numbers: latitude, longitude" + ", altitude" * (count - 2)
             )
             return None
         return [float(value) for value in given]
@@ -221,14 +221,14 @@ class _Reader:
     def _number(self, given: Any, key: Key) -> float:
         if _is_number(given) and abs(given) < 1e6:
             return float(given)
-        self._fault(key, f"{_shown(given)} is not a number that makes sense here")
+        self._fault(key, f"{_printable(given)} is not a number that makes sense here")
         return 1.0
 
     def _mapping(self, holder: dict[str, Any], key: Key) -> dict[str, Any] | None:
         given = holder.get(str(key[-1]))
         if isinstance(given, dict):
             return given
-        self._fault(key, "missing; expected a mission" if given is None else f"{_shown(given)} is not a mission")
+        self._fault(key, "missing; expected a mission" if given is None else f"{_printable(given)} is not a mission")
         return None
 
     def _list(self, holder: dict[str, Any], key: Key) -> list[Any]:
@@ -236,12 +236,12 @@ class _Reader:
         if isinstance(given, list):
             return given
         if given is not None or key[0] == "mission":
-            self._fault(key, "missing; expected a list" if given is None else f"{_shown(given)} is not a list")
+            self._fault(key, "missing; expected a list" if given is None else f"{_printable(given)} is not a list")
         return []
 
     def _version(self, holder: dict[str, Any], key: Key, known: int) -> None:
         if holder.get("version", known) != known:
-            self._fault(key, f"version {_shown(holder.get('version'))} is not known; expected {known}")
+            self._fault(key, f"version {_printable(holder.get('version'))} is not known; expected {known}")
 
     def _fault(self, key: Key, message: str) -> None:
         if len(self.faults) < FAULTS_MAX:
@@ -252,6 +252,6 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _shown(value: Any) -> str:
+def _printable(value: Any) -> str:
     text = "nothing" if value is None else repr(value)
     return text if len(text) <= 40 else text[:37] + "..."

@@ -9,7 +9,7 @@ from pathlib import Path
 from companion.config.mission.path_keys import PlanModel
 from companion.config.plan.polygons import is_polygon
 from companion.config.plan.qgroundcontrol import plan_from
-from companion.config.plan.to_mission import Planned, planned
+from companion.config.plan.to_mission import Planned, prepare_plan
 from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import read
@@ -65,7 +65,7 @@ def read_plan(
     plan, lines = plan_from(read(path), str(path))
     plan = replace(plan, home=given.over(plan.home))
     try:
-        return planned(plan, model.corner_tolerance, model.smooth, placement, given.altitude, lines.line)
+        return prepare_plan(plan, model.corner_tolerance, model.smooth, placement, given.altitude, lines.line)
     except PlanError as error:
         raise ConfigError([lines.fault(problem.key, problem.message) for problem in error.problems]) from None
     except (ValueError, ArithmeticError, PathError) as error:

@@ -54,7 +54,7 @@ class Planned:
     actions: tuple[PathAction, ...] = ()
 
 
-def planned(
+def prepare_plan(
     plan: Plan, tolerance: float, smooth: bool, placement: Placement, home_altitude: float | None = None,
     line_of: Callable[[Key], int] | None = None,
 ) -> Planned:  # fmt: skip

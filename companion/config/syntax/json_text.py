@@ -119,7 +119,7 @@ class _Reader:
                 raise self._wrong(f'{self._found} after the key; expected ":"', inner)
             self._next()
             mapping[name] = self._value(inner)
-            self._separated("}", key)
+            self._expect_separator("}", key)
         self._next()
         return mapping
 
@@ -130,11 +130,11 @@ class _Reader:
             inner = (*key, len(items))
             self._lines[inner] = self._line
             items.append(self._value(inner))
-            self._separated("]", key)
+            self._expect_separator("]", key)
         self._next()
         return items
 
-    def _separated(self, end: str, key: Key) -> None:
+    def _expect_separator(self, end: str, key: Key) -> None:
         if self._punctuation == ",":
             self._next()
             if self._punctuation == end:

@@ -67,7 +67,7 @@ def _kind(value: Any) -> str:
     )
 
 
-def _shown(value: Any) -> str:
+def _printable(value: Any) -> str:
     text = "nothing" if value is None else repr(value) if isinstance(value, str) else str(value)
     text = text.lower() if isinstance(value, bool) else text
     return text if len(text) <= 60 else text[:57] + "..."
@@ -76,7 +76,7 @@ def _shown(value: Any) -> str:
 def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) -> Fault:
     key = _key_in(document, details["loc"], details["type"] == "missing")
     expected = _description(model, details["loc"])
-    given = _shown(details["input"])
+    given = _printable(details["input"])
     context = details.get("ctx", {})
     match details["type"]:
         case "missing":
@@ -94,7 +94,7 @@ def _fault(document: Document, model: type[BaseModel], details: ErrorDetails) ->
         case "literal_error" | "enum":
             return document.fault(key, f"{given} is not known; expected {context['expected']}")
         case "union_tag_invalid":
-            tag = _shown(context["tag"])
+            tag = _printable(context["tag"])
             return document.fault((*key, "kind"), f"{tag} is not known; expected {context['expected_tags']}")
         case "union_tag_not_found":
             return document.fault((*key, "kind"), f"missing; expected {expected or 'the kind'}")

@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from companion.record.report.evidence import Array, Evidence
-from companion.record.report.style import STEPS, along_x, plain
+from companion.record.report.style import STEPS, name_x, plain
 
 SEEN_APART = 0.003
 """Share of the picture by which the true track must differ from the estimated one to be drawn beside it."""
@@ -124,7 +124,7 @@ def ends(curves: list[Array]) -> tuple[float, float]:
 
 def label_time(panel: Axes, begin: float, end: float) -> None:
     """Name and set the x axis of a figure over the time of following, s."""
-    along_x(panel, "time since following began, s", begin, max(end, 1e-3))
+    name_x(panel, "time since following began, s", begin, max(end, 1e-3))
 
 
 def points_to_draw(*curves: Array, points: int = POINTS) -> NDArray[np.intp]:

@@ -14,15 +14,15 @@ from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.marks import shade
 from companion.record.report.palette import BLUE, FAINT, INK, TRUE
 from companion.record.report.style import (
-    along_x,
     decades,
     figure_legend,
-    from_zero,
     legend,
-    named,
+    name_x,
+    name_y,
     ramp_of_colours,
-    spanned,
-    stacked,
+    span_y,
+    span_y_from_zero,
+    stack_panels,
 )  # fmt: skip
 from companion.record.report.text import number_text
 
@@ -53,7 +53,7 @@ GOALS = (
 
 def over_time(evidence: Evidence) -> Figure:
     """How fast the errors go away, and what stays."""
-    figure, panels = stacked([1.0, 1.0, 1.0], 5.9)
+    figure, panels = stack_panels([1.0, 1.0, 1.0], 5.9)
     estimated, true, settled = evidence.estimated, evidence.true, evidence.settled_from
     shade(panels, evidence, 0.0, evidence.following_s)
     for panel, goal in zip(panels, GOALS, strict=True):
@@ -69,7 +69,7 @@ def over_time(evidence: Evidence) -> Figure:
         else:
             both = [error] if true is None else [error, goal.factor * true[goal.column]]
             _set_linear(panel, goal, np.concatenate(both))
-        named(panel, f"{goal.name}, {goal.unit}")
+        name_y(panel, f"{goal.name}, {goal.unit}")
         if settled is not None:
             panel.axvline(settled, color=FAINT, linewidth=0.8, linestyle=DOTTED)
             rms, top = (evidence.number("settled", goal.key, kind) for kind in ("rms", "max"))
@@ -95,7 +95,7 @@ def over_time(evidence: Evidence) -> Figure:
 
 def speed_and_heading(evidence: Evidence) -> Figure:
     """Speed and heading themselves, beside what the mission asks for at the same place."""
-    figure, (speed, yaw) = stacked([1.0, 1.0], 4.2)
+    figure, (speed, yaw) = stack_panels([1.0, 1.0], 4.2)
     estimated, true = evidence.estimated, evidence.true
     shade([speed, yaw], evidence, 0.0, evidence.following_s)
     heading = np.degrees(np.unwrap(estimated["yaw"]))
@@ -116,8 +116,8 @@ def speed_and_heading(evidence: Evidence) -> Figure:
         (speed, "Speed along the path, m/s", speeds, 0.1),
         (yaw, "Heading, deg clockwise from north", headings, 2.0),
     ):
-        named(panel, name)
-        spanned(panel, min(map(np.min, curves)), max(map(np.max, curves)), least)
+        name_y(panel, name)
+        span_y(panel, min(map(np.min, curves)), max(map(np.max, curves)), least)
     label_time(yaw, 0.0, evidence.following_s)
     figure_legend(figure, speed)
     return figure
@@ -125,9 +125,9 @@ def speed_and_heading(evidence: Evidence) -> Figure:
 
 def _set_linear(panel: Axes, goal: Goal, values: Array) -> None:
     if goal.column == "path_error":
-        from_zero(panel, float(np.max(values)), goal.span)
+        span_y_from_zero(panel, float(np.max(values)), goal.span)
     else:
-        spanned(panel, float(np.min(values)), float(np.max(values)), goal.span)
+        span_y(panel, float(np.min(values)), float(np.max(values)), goal.span)
 
 
 def _draw_error(
@@ -139,7 +139,7 @@ def _draw_error(
 
 def over_path(evidence: Evidence) -> tuple[Figure, bool]:
     """Where along the path the errors are, lap over lap; and whether the approach leaves the frame."""
-    figure, panels = stacked([1.0, 1.0, 1.0], 5.6)
+    figure, panels = stack_panels([1.0, 1.0, 1.0], 5.6)
     estimated, settled = evidence.estimated, evidence.settled_from
     laps = _laps(evidence, estimated)
     colours = ramp_of_colours("viridis", 0.0, 0.85)
@@ -158,9 +158,9 @@ def over_path(evidence: Evidence) -> tuple[Figure, bool]:
         _set_linear(panel, goal, late)
         bottom, top = panel.get_ylim()
         leaves = leaves or bool(np.max(error) > top or np.min(error) < bottom)
-        named(panel, f"{goal.name}, {goal.unit}")
+        name_y(panel, f"{goal.name}, {goal.unit}")
     legend(panels[0], columns=5)
-    along_x(panels[-1], "displacement along the path s, m", 0.0, evidence.plan.table.length)
+    name_x(panels[-1], "displacement along the path s, m", 0.0, evidence.plan.table.length)
     return figure, leaves
 
 

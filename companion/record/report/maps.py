@@ -48,15 +48,15 @@ def from_above(evidence: Evidence) -> Figure:
         axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
     axes.margins(0.12)
     if flown is not None:
-        _flown(figure, axes, evidence, flown, np.concatenate([path, flown]))
+        _draw_track(figure, axes, evidence, flown, np.concatenate([path, flown]))
     elif before_and_after is not None:
-        _marked(axes, path, [Place(before_and_after[-1], "vehicle", "s", INK)])
+        _mark(axes, path, [Place(before_and_after[-1], "vehicle", "s", INK)])
     _direction(axes, evidence)
     legend(axes, columns=2)
     return figure
 
 
-def _flown(figure: Figure, axes: Axes, evidence: Evidence, flown: Array, drawn: Array) -> None:
+def _draw_track(figure: Figure, axes: Axes, evidence: Evidence, flown: Array, drawn: Array) -> None:
     """The track coloured by speed, with where it began, what happened on it and where it ended."""
     estimated = evidence.estimated
     speed = np.sqrt(estimated["v_north"] ** 2 + estimated["v_east"] ** 2 + estimated["v_down"] ** 2)
@@ -78,10 +78,10 @@ def _flown(figure: Figure, axes: Axes, evidence: Evidence, flown: Array, drawn: 
         way, place = ghost
         axes.plot(way[:, 0], way[:, 1], color=VERMILION, linewidth=1.6, linestyle=(0, (1, 1.4)), zorder=5)
         marks.append(place)
-    _marked(axes, drawn, marks)
+    _mark(axes, drawn, marks)
 
 
-def _marked(axes: Axes, drawn: Array, marks: list[Place]) -> None:
+def _mark(axes: Axes, drawn: Array, marks: list[Place]) -> None:
     """Mark places of the flight, each word where most room is left by the curves through ``drawn``."""
     drawn = drawn[np.isfinite(drawn[:, 0]), :2][:: max(1, len(drawn) // 2000)]
     reach = 0.06 * float(np.max(np.ptp(drawn, axis=0)))

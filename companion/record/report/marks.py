@@ -45,7 +45,7 @@ def short(each: FlightEvent) -> str:
 def shade(panels: list[Axes], evidence: Evidence, begin: float, end: float) -> None:
     """Shade in every panel when something happened between two times of following, and name it in the first."""
     least = SPAN_MIN * (end - begin)
-    named = -np.inf
+    name_y = -np.inf
     for each in evidence.flight_events:
         if each.end < begin or each.begin > end or each.kind == "start":
             continue
@@ -53,8 +53,8 @@ def shade(panels: list[Axes], evidence: Evidence, begin: float, end: float) -> N
         from_, to = max(each.begin, begin), min(max(each.end, each.begin + least), end)
         for panel in panels:
             panel.axvspan(from_, to, color=colour, linewidth=0, zorder=0.5)
-        if each.kind not in OWN and from_ > named + 0.12 * (end - begin):
-            named = from_
+        if each.kind not in OWN and from_ > name_y + 0.12 * (end - begin):
+            name_y = from_
             late = from_ > begin + 0.75 * (end - begin)
             panels[0].annotate(
                 WORDS.get(each.kind, each.kind.replace("_", " ")),

@@ -13,7 +13,7 @@ from companion.record.report.curves import DASHED, DOTTED, draw_curve, ends, lab
 from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.marks import shade
 from companion.record.report.palette import BLUE, FAINT, INK, LINES, TRUE, VERMILION
-from companion.record.report.style import WIDTH, legend, named, plain, spanned, stacked
+from companion.record.report.style import WIDTH, legend, name_y, plain, span_y, stack_panels
 from companion.record.series import FOLLOW, roll_pitch
 from companion.vehicle import OutputLevel
 
@@ -50,7 +50,7 @@ def motion(evidence: Evidence, window: Window) -> Figure:
     """Attitude, thrust, and the motors or the rates, over the window's time."""
     motors = evidence.plan.level is OutputLevel.MOTORS
     heights = [1.1, 0.8, 1.2] if motors else [1.0, 0.8, 0.62, 0.62, 0.62]
-    figure, panels = stacked(heights, 5.6 if motors else 6.6)
+    figure, panels = stack_panels(heights, 5.6 if motors else 6.6)
     shade(panels, evidence, window.begin, window.end)
     estimated = _within(evidence.estimated, window)
     true = None if evidence.true is None else _within(evidence.true, window)
@@ -79,8 +79,8 @@ def _attitude(panel: Axes, evidence: Evidence, estimated: Series) -> None:
         shown += [asked, asked_pitch]
     draw_curve(panel, estimated["t"], roll, BLUE, "roll φ")
     draw_curve(panel, estimated["t"], pitch, VERMILION, "pitch θ")
-    named(panel, "Roll and pitch, deg")
-    spanned(panel, *ends(shown), 1.0)
+    name_y(panel, "Roll and pitch, deg")
+    span_y(panel, *ends(shown), 1.0)
     legend(panel)
 
 
@@ -92,8 +92,8 @@ def _thrust(panel: Axes, evidence: Evidence, estimated: Series, true: Series | N
         shown.append(true["thrust"])
     panel.axhline(weight, color=FAINT, linewidth=0.8, linestyle=DOTTED, label="weight")
     draw_curve(panel, estimated["t"], estimated["thrust"], BLUE, "sent")
-    named(panel, "Thrust, N")
-    spanned(panel, *ends(shown), 0.02 * weight)
+    name_y(panel, "Thrust, N")
+    span_y(panel, *ends(shown), 0.02 * weight)
     legend(panel)
 
 
@@ -103,8 +103,8 @@ def _motors(panel: Axes, evidence: Evidence, estimated: Series) -> None:
     for i, force in enumerate(forces):
         draw_curve(panel, estimated["t"], force, LINES[i % len(LINES)], f"motor {i + 1}" if i == 0 else f"{i + 1}", 1.1)
     low, high = ends(forces)
-    spanned(panel, low, high, 0.02 * max(rotor.thrust_max for rotor in rotors))
-    named(panel, "Motor commands, N")
+    span_y(panel, low, high, 0.02 * max(rotor.thrust_max for rotor in rotors))
+    name_y(panel, "Motor commands, N")
     legend(panel)
     bottom, top = panel.get_ylim()
     if low < 0.0:
@@ -125,8 +125,8 @@ def _rates(panels: list[Axes], evidence: Evidence, estimated: Series) -> None:
             asked = np.degrees(estimated[f"sent_{i}"])
             draw_curve(panel, estimated["t"], asked, INK, "setpoint", 0.8, DASHED)
             shown.append(asked)
-        named(panel, f"Body rate {axis}, deg/s")
-        spanned(panel, *ends(shown), 2.0)
+        name_y(panel, f"Body rate {axis}, deg/s")
+        span_y(panel, *ends(shown), 2.0)
         if i == 0 and sent:
             legend(panel)
 
@@ -163,7 +163,7 @@ def histogram(values: Array, name: str, unit: str) -> Figure:
     panel.grid(axis="x", visible=False)
     panel.set_xlim(0.0, top)
     panel.set_xlabel(f"{name}, {unit}")
-    named(panel, "Setpoints")
+    name_y(panel, "Setpoints")
     half, most = float(np.percentile(values, 50)), float(np.percentile(values, 99))
     _mark_quantile(panel, half, "half", FAINT, left=half > 0.1 * top)
     _mark_quantile(panel, most, "99 %", VERMILION, left=most > 0.9 * top and most - half > 0.2 * top)

@@ -69,7 +69,7 @@ def drawing() -> Iterator[None]:
         yield
 
 
-def stacked(heights: list[float], height: float) -> tuple[Figure, list[Axes]]:
+def stack_panels(heights: list[float], height: float) -> tuple[Figure, list[Axes]]:
     """A figure of panels over one another with a common x axis."""
     layout = ConstrainedLayoutEngine(h_pad=0.03, w_pad=0.03, hspace=0.02)
     figure = Figure(figsize=(WIDTH, height), layout=layout)
@@ -80,7 +80,7 @@ def stacked(heights: list[float], height: float) -> tuple[Figure, list[Axes]]:
     return figure, panels
 
 
-def along_x(panel: Axes, name: str, begin: float, end: float) -> None:
+def name_x(panel: Axes, name: str, begin: float, end: float) -> None:
     """The x axis: its name with its unit, and where it runs."""
     panel.set_xlabel(name)
     # a hair more, so that a flight of 59.996 s shows the tick at 60
@@ -89,7 +89,7 @@ def along_x(panel: Axes, name: str, begin: float, end: float) -> None:
     panel.xaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
 
 
-def named(panel: Axes, name: str) -> None:
+def name_y(panel: Axes, name: str) -> None:
     """Name the y axis, with its unit, above it: read without turning one's head."""
     panel.set_title(name, loc="left", pad=4, fontweight="bold")
 
@@ -143,7 +143,7 @@ def decades(panel: Axes, low: float, high: float) -> None:
     panel.yaxis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
 
 
-def spanned(panel: Axes, low: float, high: float, least: float) -> None:
+def span_y(panel: Axes, low: float, high: float, least: float) -> None:
     """A linear y axis that shows ``low`` to ``high`` with room to spare, and never less than ``least``: noise that does
     not matter must not fill the page."""
     middle, half = 0.5 * (low + high), 0.5 * max(high - low, least) * 1.08
@@ -151,7 +151,7 @@ def spanned(panel: Axes, low: float, high: float, least: float) -> None:
     ticks(panel)
 
 
-def from_zero(panel: Axes, high: float, least: float) -> None:
+def span_y_from_zero(panel: Axes, high: float, least: float) -> None:
     """The same for what is never negative."""
     top = 1.04 * max(high, least)
     panel.set_ylim(-0.02 * top, top)

@@ -52,7 +52,7 @@ def _world(evidence: Evidence) -> list[str]:
 
 
 def event_sentences(evidence: Evidence) -> list[str]:
-    """What event_sentences, a sentence each, and where the largest path error comes from."""
+    """What happened, a sentence each, and where the largest path error comes from."""
     done = [each for each in evidence.flight_events if each.kind not in OWN]
     lines = [f"At {in_words(each)}." for each in done[:HAPPENED_MAX]]
     if len(done) > HAPPENED_MAX:

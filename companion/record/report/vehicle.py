@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from companion.record.report.curves import DASHED, DOTTED, draw_curve, ends, label_time
 from companion.record.report.evidence import Array, Evidence, Series
 from companion.record.report.palette import BLUE, FAINT, GREEN, INK, LINES, TRUE, VERMILION
-from companion.record.report.style import figure_legend, legend, named, spanned, stacked
+from companion.record.report.style import figure_legend, legend, name_y, span_y, stack_panels
 from companion.record.series import roll_pitch
 from companion.record.ulog.reading import LogSeries
 from companion.record.ulog.topics import BODY_RATES
@@ -28,7 +28,7 @@ def has_estimates(evidence: Evidence) -> bool:
 
 def machine(evidence: Evidence) -> Figure:
     """Of the vehicle itself, over the time of following; dotted what its file says."""
-    figure, (scale, drag) = stacked([1.0, 1.0], HEIGHT)
+    figure, (scale, drag) = stack_panels([1.0, 1.0], HEIGHT)
     estimated, vehicle = evidence.estimated, evidence.plan.vehicle
     _draw_estimate(scale, estimated, "thrust_scale", 1.0, "Thrust made over thrust asked for", 0.04)
     _draw_estimate(drag, estimated, "drag", vehicle.drag, "Drag, 1/s", 0.05)
@@ -38,23 +38,23 @@ def machine(evidence: Evidence) -> Figure:
 
 def surroundings(evidence: Evidence) -> Figure:
     """What else pushes it, and how late everything comes."""
-    figure, (disturbance, delay) = stacked([1.0, 1.0], HEIGHT)
+    figure, (disturbance, delay) = stack_panels([1.0, 1.0], HEIGHT)
     estimated, lag = evidence.estimated, 1e3 * evidence.plan.vehicle.rate_loop_lag
     lines = []
     for name, colour in (("north", BLUE), ("east", VERMILION), ("down", GREEN)):
         lines.append(estimated[f"push_{name}"])
         draw_curve(disturbance, estimated["t"], lines[-1], colour, name)
-    named(disturbance, "Disturbance, m/s²")
+    name_y(disturbance, "Disturbance, m/s²")
     legend(disturbance)
-    spanned(disturbance, *ends(lines), 0.2)
+    span_y(disturbance, *ends(lines), 0.2)
     lines = [np.array([lag])]
     for column, name, colour in (("delay", "state to effect", BLUE), ("rate_lag", "rate loop", VERMILION)):
         lines.append(1e3 * estimated[column])
         draw_curve(delay, estimated["t"], lines[-1], colour, name)
     delay.axhline(lag, color=FAINT, linewidth=0.8, linestyle=DOTTED)
-    named(delay, "Delays, ms")
+    name_y(delay, "Delays, ms")
     legend(delay)
-    spanned(delay, *ends(lines), 10.0)
+    span_y(delay, *ends(lines), 10.0)
     label_time(delay, 0.0, evidence.following_s)
     return figure
 
@@ -63,14 +63,14 @@ def _draw_estimate(panel: Axes, estimated: Series, column: str, file: float, nam
     values = estimated[column]
     draw_curve(panel, estimated["t"], values, BLUE, "estimated")
     panel.axhline(file, color=FAINT, linewidth=0.8, linestyle=DOTTED, label="vehicle file")
-    named(panel, name)
+    name_y(panel, name)
     legend(panel)
-    spanned(panel, *ends([values, np.array([file])]), least)
+    span_y(panel, *ends([values, np.array([file])]), least)
 
 
 def px4_estimate(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
     """PX4's estimate beside the states that reached us: place apart, roll and pitch over one another."""
-    figure, (apart, angles) = stacked([1.0, 1.2], 3.8)
+    figure, (apart, angles) = stack_panels([1.0, 1.2], 3.8)
     estimated = evidence.estimated
     t, theirs = _within(evidence, topics.get("vehicle_local_position"))
     lines = []
@@ -78,9 +78,9 @@ def px4_estimate(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
         if name in theirs:
             lines.append(100.0 * (theirs[name] - np.interp(t, estimated["t"], estimated[name])))
             draw_curve(apart, t, lines[-1], colour, name, 1.1)
-    named(apart, "Place in PX4's log less the one received, cm")
+    name_y(apart, "Place in PX4's log less the one received, cm")
     legend(apart)
-    spanned(apart, *ends(lines), 2.0)
+    span_y(apart, *ends(lines), 2.0)
     t, theirs = _within(evidence, topics.get("vehicle_attitude"))
     lines = [np.degrees(estimated[name]) for name in ("roll", "pitch")]
     for values, name, colour in zip(lines, ("roll", "pitch"), (BLUE, VERMILION), strict=True):
@@ -91,16 +91,16 @@ def px4_estimate(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
         ):
             lines.append(np.degrees(values))
             draw_curve(angles, t, lines[-1], INK, label, 1.1, DASHED)
-    named(angles, "Roll and pitch, deg")
+    name_y(angles, "Roll and pitch, deg")
     legend(angles)
-    spanned(angles, *ends(lines), 2.0)
+    span_y(angles, *ends(lines), 2.0)
     label_time(angles, 0.0, evidence.following_s)
     return figure
 
 
 def px4_setpoints(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
     """Body rates and thrust: what we sent, what PX4 flew by, and the rates that came of it."""
-    figure, panels = stacked([0.7, 0.7, 0.7, 0.8], 5.4)
+    figure, panels = stack_panels([0.7, 0.7, 0.7, 0.8], 5.4)
     estimated = evidence.estimated
     t, theirs = _within(evidence, topics.get("vehicle_rates_setpoint"))
     measured_t, measured = _within(evidence, topics.get(BODY_RATES))
@@ -116,8 +116,8 @@ def px4_setpoints(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
         if axis in theirs:
             lines.append(np.degrees(theirs[axis]))
             draw_curve(panel, t, lines[-1], INK, "setpoint, PX4's log", 1.1, DASHED)
-        named(panel, f"Body rate {axis}, deg/s")
-        spanned(panel, *ends(lines), 5.0)
+        name_y(panel, f"Body rate {axis}, deg/s")
+        span_y(panel, *ends(lines), 5.0)
     lines = []
     column = {OutputLevel.RATES: "sent_3", OutputLevel.ATTITUDE: "sent_4"}.get(evidence.plan.level)
     if column is not None:
@@ -126,8 +126,8 @@ def px4_setpoints(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
     if "thrust_z" in theirs:
         lines.append(-theirs["thrust_z"])
         draw_curve(panels[3], t, lines[-1], INK, "setpoint, PX4's log", 1.1, DASHED)
-    named(panels[3], "Thrust, 0..1")
-    spanned(panels[3], *ends(lines), 0.05)
+    name_y(panels[3], "Thrust, 0..1")
+    span_y(panels[3], *ends(lines), 0.05)
     label_time(panels[3], 0.0, evidence.following_s)
     figure_legend(figure, panels[0])
     return figure
@@ -135,7 +135,7 @@ def px4_setpoints(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
 
 def px4_motors(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
     """The motors' commands; where we sent them, ours under PX4's."""
-    figure, (panel,) = stacked([1.0], 2.4)
+    figure, (panel,) = stack_panels([1.0], 2.4)
     estimated = evidence.estimated
     t, theirs = _within(evidence, topics.get("actuator_motors"))
     lines = []
@@ -146,9 +146,9 @@ def px4_motors(evidence: Evidence, topics: dict[str, LogSeries]) -> Figure:
         if f"motor_{number}" in theirs:
             lines.append(theirs[f"motor_{number}"])
             draw_curve(panel, t, lines[-1], colour, f"motor {number + 1}", 1.1)
-    named(panel, "Commands, 0..1")
+    name_y(panel, "Commands, 0..1")
     legend(panel, 5)
-    spanned(panel, *ends(lines), 0.05)
+    span_y(panel, *ends(lines), 0.05)
     label_time(panel, 0.0, evidence.following_s)
     return figure
 

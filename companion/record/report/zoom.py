@@ -80,7 +80,7 @@ def _traces(axes: Axes, index: str, named: set[str]) -> list[Chart]:
     traces = []
     for curve in _curves(axes):
         if isinstance(curve, LineCollection):
-            traces += _coloured(curve, index)
+            traces += _coloured_traces(curve, index)
             continue
         name = str(curve.get_label())
         known = not name.startswith("_")
@@ -106,7 +106,7 @@ def _traces(axes: Axes, index: str, named: set[str]) -> list[Chart]:
     return traces
 
 
-def _coloured(curve: LineCollection, index: str) -> list[Chart]:
+def _coloured_traces(curve: LineCollection, index: str) -> list[Chart]:
     """A track in colours: its pieces, those of a colour as one broken line."""
     by_colour: dict[str, list[Any]] = {}
     colours: Any = curve.get_colors()
