@@ -163,6 +163,7 @@ class Bridge:
         if self.xrce is not None:
             self.xrce.step(now_us)
             self._send(XRCE, self.xrce.session.outbox)
+            self._release()
 
     def _let_happen(self, now_us: int) -> None:
         """What the world's events bring, at ``now_us`` of our clock. While the vehicle is held, their time stands."""
@@ -246,12 +247,16 @@ class Bridge:
             if len(self.links) > 1:
                 for frame in frames:
                     self._forward(frame, endpoint)
-        if self._held and self.autopilot.offboard_flown:
-            self._held = False
+        self._release()
         self._teller.tell(self.now)
         for number, link in enumerate(self.links):
             if link.outbox:
                 self._send(number, link.outbox)
+
+    def _release(self) -> None:
+        """Time passes from the first setpoint in offboard on."""
+        if self._held and self.autopilot.offboard_flown:
+            self._held = False
 
     def _forward(self, frame: Frame, endpoint: int) -> None:
         """Pass a frame on to the other endpoints, as PX4 does with what is not for itself alone."""

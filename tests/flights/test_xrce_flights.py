@@ -41,6 +41,17 @@ def test_the_circle_is_followed_as_closely_as_by_rates(level: OutputLevel, world
     assert error < max(1.5 * by_rates, 0.02)
 
 
+def test_a_flight_that_begins_in_a_given_state_begins_so_over_xrce_too() -> None:
+    """The vehicle and its clock are held until the first command, though the client has to connect before."""
+    over_xrce, over_mavlink = (
+        flight("paper_case1", "x500", OutputLevel.MOTORS, 1.0, xrce=xrce) for xrce in (True, False)
+    )
+    assert over_xrce.reason is None, over_xrce.notes
+    assert over_xrce.setpoints[0][0] > 5.0  # UXRCE_DDS_SYNCT
+    worst, as_worst = (max(error for _, error in each.path_errors) for each in (over_xrce, over_mavlink))
+    assert worst == pytest.approx(as_worst, rel=0.05)
+
+
 def test_a_companion_that_dies_on_the_circle_leaves_a_vehicle_that_px4_holds() -> None:
     """Motors, COM_OF_LOSS_T 0.1 as it is set for the flight."""
     tilts: list[tuple[float, float, float]] = []

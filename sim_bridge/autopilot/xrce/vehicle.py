@@ -30,7 +30,7 @@ class XrceVehicle:
 
     @property
     def clock_us(self) -> int:
-        return round(self._autopilot.t * 1e6)
+        return max(1, round(self._autopilot.t * 1e6))  # 0 is no time; a vehicle that is held stands at it
 
     def is_due(self, now_us: int) -> bool:
         return self._publications.is_due(now_us)
