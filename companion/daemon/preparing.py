@@ -102,9 +102,7 @@ class Preparation:
         if not (self.parameters.settled and self.link.is_set_up):
             return "the answers to what was asked of it (PARAM_VALUE, COMMAND_ACK)"
         if self.xrce is not None and (lacking := self.xrce.missing) is not None:
-            return (
-                f"that its XRCE client has {lacking} (UXRCE_DDS_CFG set, this address its agent's, PX4 1.15 or later?)"
-            )
+            return lacking
         if orders.level is OutputLevel.MOTORS and self.xrce is None and identity.direct_motors is None:
             return "what it can do (AUTOPILOT_VERSION)"
         if not self.state_heard:

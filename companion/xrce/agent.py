@@ -60,13 +60,15 @@ class Reader(NamedTuple):
 @dataclass(slots=True)
 class Counters:
     """What came. ``garbage``: datagrams and frames that were no message; ``strange``: of another session or another
-    client; ``lost``, ``late``: best-effort messages that did not come, or after a newer one."""
+    client; ``lost``, ``late``: best-effort messages that did not come, or after a newer one; ``orphaned``: of a client
+    whose agent is gone."""
 
     messages: int = 0
     garbage: int = 0
     strange: int = 0
     lost: int = 0
     late: int = 0
+    orphaned: int = 0
 
 
 @dataclass(slots=True)
@@ -93,6 +95,9 @@ class Agent:
     session, or one that begins it. ``keeps_time``: TIMESTAMP is answered.
     Where it is not, once a session stands, the client asks in every turn and waits for the answer on the socket, where
     it takes commands at once rather than up to 10 ms later; its clock offset stays as it was (xrce.md, section 5).
+    ``is_adopted``: the client speaks in the session of an agent that is gone, such as this one before a restart. It is
+    counted and no more: what its objects are called was said when that session began, and what was commanded last in it
+    is not known. It is told that its session is gone, and begins anew after three pings.
     """
 
     reading: dict[str, Reader] = field(default_factory=dict)
@@ -100,6 +105,7 @@ class Agent:
     sessions: int = 0
     heard_at: float = -math.inf
     keeps_time: bool = True
+    is_adopted: bool = False
     counters: Counters = field(default_factory=Counters)
     _session: _Session | None = None
     _samples: list[Sample] = field(default_factory=list)
@@ -169,6 +175,8 @@ class Agent:
 
     def _outside(self, message: Message, now: float) -> None:
         """A client that has no session yet, or one that we do not know (any more)."""
+        orphaned = self._session is None and message.session != NO_SESSION
+        self.is_adopted = orphaned
         for each in message.submessages:
             if isinstance(each, GetInfo | CreateClient):
                 self.heard_at = now
@@ -179,6 +187,8 @@ class Agent:
                 self.reading, self.versioned = {}, False
                 self.sessions += 1
                 self._answer(StatusAgent(), each.session)
+            elif orphaned:
+                self.counters.orphaned += 1
             else:
                 self.counters.strange += 1
 

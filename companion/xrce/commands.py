@@ -128,6 +128,19 @@ class Commands:
 
     @property
     def missing(self) -> str | None:
+        """What is waited for from PX4's client, in words that follow "for the vehicle to say"; None: nothing."""
+        if self.agent.is_adopted:
+            return (
+                "that its XRCE client has begun a new session: it still is in that of an agent that is gone, such as a "
+                "companion before a restart, and begins anew within 15 s; until then it is only listened to"
+            )
+        lacking = self._lacking
+        if lacking is None:
+            return None
+        return f"that its XRCE client has {lacking} (UXRCE_DDS_CFG set, this address its agent's, PX4 1.15 or later?)"
+
+    @property
+    def _lacking(self) -> str | None:
         """The first topic that PX4's client does not read, or publish, yet; None: everything is there."""
         lacking = None if self.flight_mode is None else self.flight_mode.missing(self.agent)
         if lacking is not None:
@@ -164,6 +177,11 @@ class Commands:
                 f"XRCE: beside {counters.messages} messages of PX4's client, {counters.lost} were lost and "
                 f"{counters.late} late, {counters.garbage} datagrams made no sense and {counters.strange} came from "
                 "another session or client; they were skipped"
+            )
+        if counters.orphaned:
+            found.append(
+                f"XRCE: {counters.orphaned} messages of PX4's client came in a session whose agent was gone; they were "
+                "only counted"
             )
         if self.agent.sessions > 1:
             found.append(f"XRCE: PX4's client began {self.agent.sessions} sessions; look at the line between the two")

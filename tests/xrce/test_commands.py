@@ -138,7 +138,7 @@ def test_a_client_that_is_gone_gets_nothing() -> None:
     vehicle.commands.receive(wire.encode(Message(SESSION, NO_STREAM, 0, (Delete(2, THE_CLIENT),))), AT)
     assert [wire.decode(data).submessages[0] for data in vehicle.commands.datagrams(AT)] == [Status(2, THE_CLIENT)]
     assert vehicle.told(AT) == []
-    assert vehicle.commands.missing == "offboard_control_mode"
+    assert "that its XRCE client has offboard_control_mode" in (vehicle.commands.missing or "")
 
 
 def test_while_it_is_commanded_the_client_waits_on_its_socket() -> None:
@@ -172,7 +172,7 @@ def test_a_topic_in_a_version_nobody_knows_is_a_refusal() -> None:
     vehicle = Vehicle(MOTORS)
     reader = vehicle.commands.agent.reading["actuator_motors"]
     vehicle.commands.agent.reading["actuator_motors"] = reader._replace(topic=reader.topic._replace(version=7))
-    assert vehicle.commands.missing == "actuator_motors"
+    assert "that its XRCE client has actuator_motors" in (vehicle.commands.missing or "")
     assert "actuator_motors in version 7" in (vehicle.commands.refusal or "")
     vehicle.says(AT, "offboard")
     assert vehicle.told(AT) == []
