@@ -53,7 +53,7 @@ UNBOUNDED = ThrustRange(-float("inf"), float("inf"), float("inf"))
 """N and N/s, of a vehicle without limits. The paper's own."""
 
 
-def thrust_range(vehicle: Vehicle) -> ThrustRange:
+def thrust_range_of(vehicle: Vehicle) -> ThrustRange:
     """The range for ``vehicle``."""
     if vehicle.limits is None:
         return UNBOUNDED

@@ -17,7 +17,7 @@ from companion.mission import Mission
 from companion.profiles.yaw import TangentYaw
 from companion.vehicle import GRAVITY, Vehicle
 from companion.world import Deviations, World
-from trials.measured import Measured, course, machine, measured, world
+from trials.measured import Measured, course, machine, measure_flight, world
 
 YAW_RATE_MAX = math.radians(200.0)
 """rad/s. PX4's default MC_YAWRATE_MAX: the bends of the figure-eight ask for 130 deg/s of heading rate at 3 m/s."""
@@ -78,4 +78,4 @@ def flown(seed: int, *, circle: bool = False, duration: float = 25.0, settle: fl
     """The flight of a seed: the figure-eight with its nose along the path, or the circle at 3 m/s."""
     airframe = drawn(seed)
     mission = course("circle_r5", 3.0) if circle else eight()
-    return measured(mission, airframe.told, airframe.where, seed=seed, duration=duration, settle=settle)
+    return measure_flight(mission, airframe.told, airframe.where, seed=seed, duration=duration, settle=settle)

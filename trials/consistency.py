@@ -20,7 +20,7 @@ from companion.frames import rotation_matrix
 from companion.vehicle import OutputLevel
 from companion.world import World
 from sim_bridge.plant import Truth
-from trials.measured import Measured, course, machine, measured
+from trials.measured import Measured, course, machine, measure_flight
 
 WINDOW = 5.0
 """s over which errors are averaged."""
@@ -79,7 +79,9 @@ def trial(
         nees = float(error @ np.linalg.solve(covariance(belief), error))
         rows.append((truth.t_boot - memory.path.follow_from, error[0] / scale, error[1] / true.drag, *error[2:], nees))
 
-    flight = measured(course(mission, speed, level), believed, where, level, seed=seed, duration=duration, watch=watch)
+    flight = measure_flight(
+        course(mission, speed, level), believed, where, level, seed=seed, duration=duration, watch=watch
+    )
     return Trial(flight, _windows(np.array(rows)))
 
 

@@ -70,7 +70,7 @@ def course(name: str, speed: float | None = None, level: OutputLevel = OutputLev
     return dataclasses.replace(read, laps=None)
 
 
-def measured(
+def measure_flight(
     mission: Mission,
     vehicle: Vehicle,
     where: World,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from companion.vehicle import OutputLevel
 from companion.world import Deviations, Link
-from trials.measured import Measured, course, machine, measured, world
+from trials.measured import Measured, course, machine, measure_flight, world
 
 COURSES = (("circle_r5", 3.0), ("circle_r5", 6.0), ("figure8", 3.0))
 
@@ -47,7 +47,7 @@ def flown(seed: int, duration: float = 25.0, settle: float = 10.0) -> Measured:
     outdoor = world("outdoor")
     way = dataclasses.replace(outdoor.link.down, delay=0.5 * case.delay, jitter=min(0.003, 0.5 * case.delay))
     where = dataclasses.replace(outdoor, truth=case.truth, link=Link(way, way))
-    return measured(
+    return measure_flight(
         course(case.mission, case.speed), machine("x500"), where, OutputLevel.RATES,
         seed=seed, duration=duration, settle=settle,
     )  # fmt: skip

@@ -16,7 +16,7 @@ from companion.geodesy import NO_HOME_GIVEN
 from companion.library.checking import checked, in_world
 from companion.library.orders import Faults, Sortie, given_home, read_sortie, read_world
 from companion.mission import Origin
-from companion.places.words import place_words
+from companion.places.words import words_of_place
 from companion.plain_text import printable_lines
 
 FEASIBLE = 0
@@ -44,7 +44,7 @@ def check(
     assert sortie is not None
     sortie, air = in_world(sortie, None if simulated is None else simulated.world)
     sortie, found = check_sortie(sortie, (0.0, 0.0, 0.0) if air is None else air.wind_n)
-    places = place_words(sortie.mission, Origin.TAKEOFF)
+    places = words_of_place(sortie.mission, Origin.TAKEOFF)
     if as_json:
         document = as_document(found, places.lines, places.warnings)
         if air is not None:

@@ -16,8 +16,8 @@ from companion.geodesy import NO_HOME_GIVEN, LocalFrame
 from companion.library.orders import Faults, given_home, read_sortie
 from companion.library.simulation import at_home
 from companion.mission import GlobalOrigin, Mission
-from companion.places.drawn import drawn
-from companion.places.listed import COLUMNS, listed
+from companion.places.drawn import waypoint_plan
+from companion.places.listed import COLUMNS, rows_along
 from companion.plans.items import Plan
 from companion.plans.writing import plan_text
 from companion.world import Home, World
@@ -58,7 +58,7 @@ def export(
     if home is None and not isinstance(placed.origin, GlobalOrigin):
         say(f"note: home is taken to be {frame.latitude}, {frame.longitude}, {frame.altitude} m; --home says another")
     if plan is not None and own is None:
-        found = drawn(placed, frame, tolerance)
+        found = waypoint_plan(placed, frame, tolerance)
         if not known and found.home is not None:
             found = replace(found, home=found.home._replace(altitude=None))
         _write_plan(plan, found, f"the legs within {tolerance:g} m of the path")
@@ -78,7 +78,7 @@ def _write_table(file: Path, placed: Mission, frame: LocalFrame, spacing: float)
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)
     rows = 0
-    for row in listed(placed, frame, spacing):
+    for row in rows_along(placed, frame, spacing):
         writer.writerow(f"{value:.{DIGITS.get(name, 6)}f}" for name, value in zip(COLUMNS, row, strict=True))
         rows += 1
     write(file, out.getvalue())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -87,26 +87,20 @@ HomePlace = Annotated[
         show_default="as the plan or the world says",
     ),
 ]
-Duration = Annotated[
-    float | None,
-    typer.Option(
+
+
+def _duration(without_laps: str) -> Any:
+    return typer.Option(
         "--duration",
         metavar="S",
         min=0.1,
         help="Seconds to follow the path.",
-        show_default="the mission's laps; without laps, an open path to its end and a closed one until stopped",
-    ),
-]
-SimulatedDuration = Annotated[
-    float | None,
-    typer.Option(
-        "--duration",
-        metavar="S",
-        min=0.1,
-        help="Seconds to follow the path.",
-        show_default="the mission's laps; without laps, an open path to its end and a closed one for 60 s",
-    ),
-]
+        show_default=f"the mission's laps; without laps, an open path to its end and a closed one {without_laps}",
+    )
+
+
+Duration = Annotated[float | None, _duration("until stopped")]
+SimulatedDuration = Annotated[float | None, _duration("for 60 s")]
 SigningKey = Annotated[
     Path | None,
     typer.Option(

@@ -12,7 +12,7 @@ from companion.flight.preflight import RATE_WANTED
 from companion.library.orders import Sortie
 from companion.mission import Origin
 from companion.places.origins import PlaceError, placed
-from companion.places.words import place_words
+from companion.places.words import words_of_place
 from companion.plain_text import printable
 from companion.services.audit import Finding, Weight, audit_parameters
 from companion.services.plan_check import differences
@@ -47,7 +47,7 @@ def _place(vehicle: ConnectedVehicle, sortie: Sortie, upload: bool) -> list[str]
     """Where the path would run, and what was uploaded."""
     where = vehicle.location()
     mission = placed(sortie.mission, Origin.TAKEOFF, where)
-    words = str(place_words(sortie.mission, Origin.TAKEOFF, where)).splitlines()
+    words = str(words_of_place(sortie.mission, Origin.TAKEOFF, where)).splitlines()
     attached = sortie.mission_source.attached
     if attached is not None and attached[0].lower().endswith(".plan"):
         words += differences(plan_from(attached[1], attached[0])[0], attached[1], vehicle.read_plan(attached[1]))

@@ -17,7 +17,7 @@ from companion.mavlink.telemetry import Telemetry
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
 from companion.places.origins import NotKnownError, VehicleLocation, placed
-from companion.places.words import place_words
+from companion.places.words import words_of_place
 from companion.plan import Plan, prepared
 from companion.vehicle import CompanionError, Landed, OutputLevel, Tuning, Vehicle, VehicleState
 from companion.xrce.commands import Commands
@@ -158,7 +158,7 @@ class Preparation:
         where = self._location(state)
         mission: Mission = placed(orders.mission, orders.origin, where)
         heights_agree(mission, where)
-        self.notes += str(place_words(orders.mission, orders.origin, where)).splitlines()
+        self.notes += str(words_of_place(orders.mission, orders.origin, where)).splitlines()
         stands_at = state.p_n if where.on_ground else None
         conduct = complete_conduct(orders.conduct, vehicle, tuning, mission.table, where.home_n, stands_at)
         if self.xrce is not None and self.xrce.level.without_rate_loop:

@@ -38,7 +38,7 @@ class Demand:
     speed: Array
 
 
-def demand(stations: Stations, vehicle: Vehicle, scale: float = 1.0) -> Demand:
+def compute_demand(stations: Stations, vehicle: Vehicle, scale: float = 1.0) -> Demand:
     """The demand at every station, the whole speed multiplied by ``scale``. nan or inf where the law is singular."""
     alpha, beta = stations.alpha * scale, stations.beta
     jx, jy, jz = vehicle.inertia

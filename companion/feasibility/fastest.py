@@ -23,7 +23,7 @@ from scipy.sparse.linalg import splu
 
 from companion.feasibility.arc_spline import ArcSpline
 from companion.feasibility.headroom import SPEED_MIN, Headroom, TooSlowError
-from companion.feasibility.stations import places, stations
+from companion.feasibility.stations import places, stations_along
 from companion.mission import Mission
 from companion.profiles import AutoSpeed, SpeedProfile, hermite
 from companion.vehicle import Vehicle
@@ -64,7 +64,7 @@ class Fastest:
     def __init__(self, mission: Mission, auto: AutoSpeed, vehicle: Vehicle, knot_time: float = KNOT_TIME) -> None:
         self._mission = mission
         self.headroom = Headroom(vehicle, auto, None if mission.closed else (0.0, mission.table.length))
-        self._everywhere = stations(mission, places(mission))
+        self._everywhere = stations_along(mission, places(mission))
         s = self._everywhere.s
         steady = self.headroom.steady(self._everywhere)
         passed = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (steady[1:] + steady[:-1]))])
@@ -75,7 +75,7 @@ class Fastest:
         )
         widths = np.diff(self.spline.knots)
         shares = (np.arange(PER_KNOT) + 0.5) / PER_KNOT
-        self.at = stations(mission, (self.spline.knots[:-1, None] + shares * widths[:, None]).ravel())
+        self.at = stations_along(mission, (self.spline.knots[:-1, None] + shares * widths[:, None]).ravel())
         self.ds = np.repeat(widths / PER_KNOT, PER_KNOT)
         self.steady = np.interp(self.at.s, s, steady)
         self._at_sites = np.interp(self.spline.sites, s, steady)

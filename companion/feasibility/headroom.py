@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.feasibility.demand import demand
+from companion.feasibility.demand import compute_demand
 from companion.feasibility.limits import quantities
 from companion.feasibility.stations import Stations
 from companion.profiles import AutoSpeed
@@ -44,7 +44,7 @@ class Headroom:
     def used(self, at: Stations, alpha: Array) -> Array:
         """For every limit (rows) and place the share of what may be used; 1 is the most. ``alpha``: the speed (always
         positive here) and its three derivatives over arc length."""
-        asked = demand(at.with_speed(alpha * self.auto.direction), self.vehicle)
+        asked = compute_demand(at.with_speed(alpha * self.auto.direction), self.vehicle)
         rows = []
         for q in quantities(asked, self.vehicle):
             for side in (q.high, q.low):

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from companion.feasibility import geometry
 from companion.feasibility.auto import flyable
-from companion.feasibility.demand import Demand, demand
+from companion.feasibility.demand import Demand, compute_demand
 from companion.feasibility.headroom import SPEED_MIN, TooSlowError
 from companion.feasibility.limits import Limit, quantities, use_without_yaw, worst, worst_use
-from companion.feasibility.stations import Stations, places, stations
+from companion.feasibility.stations import Stations, places, stations_along
 from companion.frames import Vec3
 from companion.mission import GlobalOrigin, Mission
 from companion.profiles import AutoSpeed, ConstantSpeed
@@ -120,8 +120,8 @@ def check(mission: Mission, vehicle: Vehicle, ground: float | None = None, wind_
     except TooSlowError:  # the limits broken at a crawl say why
         flown = replace(mission, speed=ConstantSpeed(mission.direction * SPEED_MIN))
     ground = ground_under(mission) if ground is None else ground
-    at = replace(stations(flown, places(flown)), wind_n=wind_n)
-    asked = demand(at, vehicle)
+    at = replace(stations_along(flown, places(flown)), wind_n=wind_n)
+    asked = compute_demand(at, vehicle)
     speed_free = (
         geometry.radius(at),
         geometry.clearance(at, ground),
@@ -176,7 +176,7 @@ def speed_scale_max(at: Stations, vehicle: Vehicle) -> tuple[float, Limit]:
     limit that is met there."""
 
     def kept(scale: float) -> bool:
-        asked = demand(at, vehicle, scale)
+        asked = compute_demand(at, vehicle, scale)
         return worst_use(asked, vehicle) <= 1.0 and _regularity(at, asked, vehicle).ok
 
     low, high = 0.0, SCALE_MAX
@@ -188,7 +188,7 @@ def speed_scale_max(at: Stations, vehicle: Vehicle) -> tuple[float, Limit]:
     for _ in range(18 if low < SCALE_MAX else 0):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if kept(middle) else (low, middle)
-    return low, max(_of_speed(at, demand(at, vehicle, low), vehicle), key=lambda limit: limit.used)
+    return low, max(_of_speed(at, compute_demand(at, vehicle, low), vehicle), key=lambda limit: limit.used)
 
 
 def _of_speed(at: Stations, asked: Demand, vehicle: Vehicle) -> list[Limit]:

@@ -59,7 +59,7 @@ def places(mission: Mission) -> Array:
     return np.append(inner.ravel(), edges[-1])
 
 
-def stations(mission: Mission, s: Array) -> Stations:
+def stations_along(mission: Mission, s: Array) -> Stations:
     """The mission at arc lengths ``s``. ValueError, ArithmeticError: speed or yaw is not defined somewhere."""
     path = mission.path
     result = _on_implicit(mission, path, s) if isinstance(path, ImplicitPath) else _on_curve(mission, path, s)

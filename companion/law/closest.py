@@ -40,7 +40,7 @@ class Closest:
     Q: Scalar
 
 
-def closest(derivatives: tuple[Vector, ...], motion: tuple[Vector, ...], q_min: float) -> Closest:
+def closest_point(derivatives: tuple[Vector, ...], motion: tuple[Vector, ...], q_min: float) -> Closest:
     """The motion (X, V, A) for the level of rates, (X, V, A, J) for that of motors, seen from the closest point.
 
     ``derivatives``: gamma, gamma', .. over the parameter there, one more than the motion has. ``q_min``: the least Q

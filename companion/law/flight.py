@@ -19,7 +19,7 @@ from companion.calculus.straight import Function, Tape
 from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Vector
 from companion.frames import Heading, Matrix3, Vec3
-from companion.law.closest import closest
+from companion.law.closest import closest_point
 from companion.law.errors import LawError
 from companion.law.feedback import (
     Bounds,
@@ -226,7 +226,9 @@ def curve_law(
     gains = with_path_poles(gains, pole_scale)
     derivatives = tuple(Vector(*tape.inputs(*(f"g{k}{axis}" for axis in "xyz"))) for k in range(5))
     motion_derivatives = known_motion(level, model, motion)
-    seen = closest(derivatives[: len(motion_derivatives) + 1], motion_derivatives, bounds.q_min if bounds else 0.0)
+    seen = closest_point(
+        derivatives[: len(motion_derivatives) + 1], motion_derivatives, bounds.q_min if bounds else 0.0
+    )
     alpha = _along(tape.inputs("a0", "a1", "a2", "a3"), seen.s)
     wanted = wanted_on_curve(seen, factor * alpha, level, gains, bounds)
     beta_inputs = tape.inputs("b0", "b1", "b2", "b3")

@@ -61,7 +61,7 @@ def tangent(specification: Specification, at: Position) -> Position:
     return mu.components()
 
 
-def reference(specification: Specification, model: Model, X: Vector) -> Reference:
+def reference_motion(specification: Specification, model: Model, X: Vector) -> Reference:
     """The point of the manifold over ``X``, a point of an implicit path."""
     series = flow(specification, X, 4)
     motion = [X, *(Vector(*(coordinate.derivative(k) for coordinate in series)) for k in (1, 2, 3, 4))]

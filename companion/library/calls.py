@@ -33,7 +33,7 @@ from companion.library.outcome import Ended, OwnFailureError, figures_of, is_com
 from companion.library.output import Output
 from companion.library.simulation import Flown, SimulatedFlight, in_lockstep, in_memory
 from companion.mission import Origin
-from companion.places.words import place_words
+from companion.places.words import words_of_place
 from companion.record.circumstances import simulation_document
 from companion.record.folder import Recorder, Source
 from companion.record.place import refuse_used
@@ -186,7 +186,7 @@ def check(
     sortie = sortie_from(read, machine, level or Output.AUTO, direct=True, given=given or NO_HOME_GIVEN, faults=faults)
     sortie, air = in_world(sortie, None if simulated is None else simulated.world)
     sortie, found = checked(sortie, STILL if air is None else air.wind_n)
-    places = place_words(sortie.mission, Origin.TAKEOFF)
+    places = words_of_place(sortie.mission, Origin.TAKEOFF)
     words = in_words(found, places.lines, places.warnings, None if air is None else air.words)
     return Check(found, as_document(found, places.lines, places.warnings), words)
 

@@ -38,7 +38,7 @@ FOR_EVER = -1.0
 """DO_JUMP's repeat: without an end."""
 
 
-def drawn(mission: Mission, home: LocalFrame, tolerance: float) -> Plan:
+def waypoint_plan(mission: Mission, home: LocalFrame, tolerance: float) -> Plan:
     """``mission``: placed in the local frame whose origin is ``home``, its speed known. ``tolerance``: m, the farthest
     that the legs between the waypoints stray from the path. Written from where it begins in the order it is flown.
     ValueError, ArithmeticError: speed or yaw is not defined."""

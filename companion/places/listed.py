@@ -16,7 +16,7 @@ COLUMNS = (
 frame's; the earth's; the speed with its sign; the heading clockwise from north; one over the radius."""
 
 
-def listed(mission: Mission, home: LocalFrame, spacing: float) -> Iterator[tuple[float, ...]]:
+def rows_along(mission: Mission, home: LocalFrame, spacing: float) -> Iterator[tuple[float, ...]]:
     """The rows, ``spacing`` m apart at most, from end to end. ``mission``: placed in the local frame whose origin is
     ``home``, its speed known. ValueError, ArithmeticError: speed or yaw is not defined."""
     table = mission.table

@@ -41,7 +41,7 @@ class _Reference:
     is_ground: bool
 
 
-def place_words(mission: Mission, default: Origin, where: VehicleLocation | None = None) -> PlaceWords:
+def words_of_place(mission: Mission, default: Origin, where: VehicleLocation | None = None) -> PlaceWords:
     """Where ``mission`` runs: from what it counts from, or from a vehicle where one says ``where`` it is.
 
     ``default``: what the mission counts from where its file does not say. PlaceError: it cannot be placed there.

@@ -46,7 +46,7 @@ STEPS_MAX = 200_000
 """Items executed, jumps and all."""
 
 
-def route(plan: Plan, line_of: Callable[[Key], int] | None = None) -> Route:
+def route_of(plan: Plan, line_of: Callable[[Key], int] | None = None) -> Route:
     """The route of a plan. ``line_of``: of its file, where something of it stands, for its notes. PlanError with every
     reason why there is none."""
     return _Walk(plan, line_of).route()
@@ -69,7 +69,7 @@ class _Walk:
         self._at = 0
 
     def route(self) -> Route:
-        """See ``route``."""
+        """See ``route_of``."""
         items = self._plan.items
         index = {item.number: i for i, item in enumerate(items)}
         reached: dict[int, int] = {}  # the waypoints there were when an item was first executed

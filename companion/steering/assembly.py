@@ -18,7 +18,7 @@ from companion.steering.path_poles import AS_WRITTEN, PoleChoice
 from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
 from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
-from companion.thrust_range import thrust_range
+from companion.thrust_range import thrust_range_of
 from companion.vehicle import Vehicle
 
 TILT_MARGIN = math.radians(2.0)
@@ -58,7 +58,7 @@ def rate_steering(
         law=law,
         hold=hold,
         vehicle=vehicle,
-        range=thrust_range(vehicle),
+        range=thrust_range_of(vehicle),
         rate_loop=rate_loop,
         hover_thrust=hover_thrust,
         prior=prior,
@@ -93,7 +93,7 @@ def motor_steering(
         hold=hold,
         vehicle=vehicle,
         allocation=allocation,
-        range=thrust_range(vehicle),
+        range=thrust_range_of(vehicle),
         body=Body(vehicle.mass, vehicle.inertia, vehicle.motor_lag),
         prior=prior,
         rate_gain=rate_gain,

@@ -26,7 +26,7 @@ class Smoothed(NamedTuple):
     nearing: Vec3 = (0.0, 0.0, 0.0)
 
 
-def smoothed(model: Smoothed, wanted: Quaternion, heading_rate: float, dt: float) -> Smoothed:
+def smooth_attitude(model: Smoothed, wanted: Quaternion, heading_rate: float, dt: float) -> Smoothed:
     """``model`` after ``dt`` s of nearing ``wanted``; a turn about world down (rad/s) it makes without being late."""
     w, *error = multiply(conjugate(model.q_nb), wanted)
     down = _down(model.q_nb)

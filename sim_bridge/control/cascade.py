@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from companion.frames import Quaternion, Vec3, conjugate, multiply
 from companion.vehicle import Vehicle
-from sim_bridge.control.attitude import Smoothed, rates_for, smoothed
+from sim_bridge.control.attitude import Smoothed, rates_for, smooth_attitude
 from sim_bridge.control.mixing import Mixer
 from sim_bridge.control.position import PositionLoop, Target
 from sim_bridge.control.rates import RateLoop, RatesWanted, gains_for
@@ -117,7 +117,9 @@ class Cascade:
         if self._smoothed_at is None or time_us <= self._smoothed_at:
             self._smoothed = Smoothed(attitude)
         else:
-            self._smoothed = smoothed(self._smoothed, attitude, heading_rate, 1e-6 * (time_us - self._smoothed_at))
+            self._smoothed = smooth_attitude(
+                self._smoothed, attitude, heading_rate, 1e-6 * (time_us - self._smoothed_at)
+            )
         self._smoothed_at = time_us
 
     def notice_reset(self, before: Quaternion, now: Quaternion) -> None:

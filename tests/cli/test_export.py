@@ -19,9 +19,9 @@ from companion.config.syntax.faults import ConfigError
 from companion.geodesy import LocalFrame
 from companion.library.simulation import at_home
 from companion.mission import Mission
-from companion.places.drawn import drawn, waypoint_arcs
-from companion.places.listed import COLUMNS, listed
-from companion.plans.route import route
+from companion.places.drawn import waypoint_arcs, waypoint_plan
+from companion.places.listed import COLUMNS, rows_along
+from companion.plans.route import route_of
 from companion.plans.writing import plan_text
 from companion.world import World
 from tests.plans.test_plans import importer
@@ -35,7 +35,7 @@ def shipped(name: str) -> Mission:
 
 def stray(mission: Mission, plan_file: str) -> float:
     """m, the farthest that the path is from the legs of a plan, and the legs' waypoints from the path."""
-    waypoints = [w.place.seen_from(HOME) for w in route(plan_from(plan_file, "p.plan")[0]).waypoints]
+    waypoints = [w.place.seen_from(HOME) for w in route_of(plan_from(plan_file, "p.plan")[0]).waypoints]
     a = np.array(waypoints)
     legs = np.diff(a, axis=0)
     farthest = 0.0
@@ -49,7 +49,7 @@ def stray(mission: Mission, plan_file: str) -> float:
 @pytest.mark.parametrize("tolerance", [0.05, 0.5])
 def test_the_drawn_legs_stay_by_the_path(name: str, tolerance: float) -> None:
     mission = shipped(name)
-    assert stray(mission, plan_text(drawn(mission, HOME, tolerance))) < tolerance + 1e-3
+    assert stray(mission, plan_text(waypoint_plan(mission, HOME, tolerance))) < tolerance + 1e-3
 
 
 def test_a_circle_takes_as_many_waypoints_as_its_sagitta_asks() -> None:
@@ -60,24 +60,24 @@ def test_a_circle_takes_as_many_waypoints_as_its_sagitta_asks() -> None:
 
 def test_a_plan_read_again_is_the_same_plan() -> None:
     for name in ("circle", "line", "figure8"):
-        plan = drawn(shipped(name), HOME, 0.2)
+        plan = waypoint_plan(shipped(name), HOME, 0.2)
         again = plan_from(plan_text(plan), "p.plan")[0]
         assert str(again) == str(plan)  # nan is not itself
 
 
 def test_speeds_directions_headings_and_laps() -> None:
-    line = drawn(shipped("line"), HOME, 0.1)
+    line = waypoint_plan(shipped("line"), HOME, 0.1)
     speeds = [item.params[1] for item in line.items if item.command == 178]
     assert line.speed == pytest.approx(2.0, abs=0.4)
     assert max(speeds) == pytest.approx(5.0, abs=0.1)
     backwards = shipped("lissajous")
-    first = route(drawn(backwards, HOME, 0.1)).waypoints
+    first = route_of(waypoint_plan(backwards, HOME, 0.1)).waypoints
     end = backwards.table.at(backwards.table.length - 0.5)[0]
     assert math.dist(first[1].place.seen_from(HOME), end) < math.dist(first[-2].place.seen_from(HOME), end)
     assert {w.heading for w in first} == {90.0}
-    (jump,) = (item for item in drawn(shipped("circle"), HOME, 0.1).items if item.command == 177)
+    (jump,) = (item for item in waypoint_plan(shipped("circle"), HOME, 0.1).items if item.command == 177)
     assert jump.params[:2] == (1.0, 2.0)  # three laps
-    (jump,) = (item for item in drawn(shipped("circle_r5"), HOME, 0.1).items if item.command == 177)
+    (jump,) = (item for item in waypoint_plan(shipped("circle_r5"), HOME, 0.1).items if item.command == 177)
     assert jump.params[:2] == (1.0, -1.0)
 
 
@@ -86,7 +86,7 @@ def test_mavsdk_reads_what_is_written() -> None:
     try:
         for name in ("circle", "line", "helix"):
             mission = shipped(name)
-            plan = drawn(mission, HOME, 0.2)
+            plan = waypoint_plan(mission, HOME, 0.2)
             theirs = reader.import_qgroundcontrol_mission_from_string(plan_text(plan)).mission_items
             assert [item.command for item in plan.items] == [item.command for item in theirs]
             for mine, other in zip(plan.items, theirs, strict=True):
@@ -99,7 +99,7 @@ def test_mavsdk_reads_what_is_written() -> None:
 
 def test_the_table() -> None:
     mission = shipped("line")
-    rows = [dict(zip(COLUMNS, row, strict=True)) for row in listed(mission, HOME, 0.5)]
+    rows = [dict(zip(COLUMNS, row, strict=True)) for row in rows_along(mission, HOME, 0.5)]
     assert rows[0]["s_m"] == 0.0
     assert rows[-1]["s_m"] == mission.table.length
     for row in rows[::40]:
@@ -108,7 +108,7 @@ def test_the_table() -> None:
         assert (row["x_m"], row["y_m"], row["z_m"]) == pytest.approx((row["east_m"], row["north_m"], -row["down_m"]))
         assert row["speed_mps"] == mission.alpha(row["s_m"])
     assert rows[-1]["time_s"] == pytest.approx(rows[0]["s_m"] + sum(0.5 / r["speed_mps"] for r in rows), rel=0.02)
-    turns = [row[-1] for row in listed(shipped("circle"), HOME, 1.0)]
+    turns = [row[-1] for row in rows_along(shipped("circle"), HOME, 1.0)]
     assert turns == pytest.approx([1.0 / 6.0] * len(turns), rel=1e-5)
 
 

@@ -16,7 +16,7 @@ from companion.law.feedback import Bounds
 from companion.law.flight import Command, Flying, curve_law, implicit_law, model_of
 from companion.law.gains import Level, default_gains
 from companion.law.hold import hold_law
-from companion.law.reference import reference
+from companion.law.reference import reference_motion
 from companion.law.speed_scale import SpeedScale
 from companion.paths.implicit import ImplicitPath
 from companion.paths.polyline import line
@@ -85,7 +85,7 @@ def test_there_is_no_tilt_error_on_the_path_following_manifold(name: str, level:
     specification, model = mission.specification(1.0), model_of(vehicle)
     law = implicit_law(specification, level, model, default_gains(level), None)
     x, y, z = mission.table.at(3.0)[0]
-    ref = reference(specification, model, Vector(x, y, z))
+    ref = reference_motion(specification, model, Vector(x, y, z))
     rows = zip(*(axis.components() for axis in (ref.R.e1, ref.R.e2, ref.R.e3)), strict=True)
     r_nb = tuple(float(value) for row in rows for value in row)
     flying = Flying(ref.X.components(), ref.V.components(), r_nb, ref.zeta, ref.w.components(), ref.zeta_dot)

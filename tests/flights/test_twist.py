@@ -17,7 +17,7 @@ from companion.mission import Mission
 from companion.vehicle import Limits, OutputLevel, Vehicle
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
-from trials.measured import Measured, course, machine, measured, world
+from trials.measured import Measured, course, machine, measure_flight, world
 
 SPEED, RADIUS = 8.5, 5.0
 STEEP = math.radians(80.0)
@@ -54,7 +54,7 @@ def flown(heading: Heading, level: OutputLevel) -> tuple[Measured, list[float]]:
         if memory is not None and memory.path.follow_from is not None and truth.t_boot - memory.path.follow_from > 12.0:
             yawing.append(truth.w_b[2])
 
-    done = measured(
+    done = measure_flight(
         steep(heading, level), strong(), world("ideal"), level, duration=16.0, settle=12.0, prepare=prepare, watch=watch
     )  # fmt: skip
     return done, yawing

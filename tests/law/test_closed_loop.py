@@ -23,7 +23,7 @@ from companion.frames import Heading, rotation_from_euler, tilt
 from companion.law.bare import bare_law
 from companion.law.flight import Flying, implicit_law, model_of
 from companion.law.gains import Gains, Level
-from companion.law.reference import reference
+from companion.law.reference import reference_motion
 from companion.law.speed_scale import SpeedScale
 from companion.mission import Mission
 
@@ -151,7 +151,7 @@ def test_the_twist_heading_needs_no_yaw_torque_in_a_steady_turn() -> None:
 def on_the_manifold(mission: Mission, s: float) -> np.ndarray:
     """chi on the path following manifold at arc length s (Lemma 4.4, corrected)."""
     x, y, z = mission.path.table.at(s)[0]
-    ref = reference(mission.specification(1.0), model_of(load_vehicle("paper")), Vector(x, y, z))
+    ref = reference_motion(mission.specification(1.0), model_of(load_vehicle("paper")), Vector(x, y, z))
     R = ref.R
     psi, theta, phi = math.atan2(R.e1.y, R.e1.x), math.asin(-R.e1.z), math.atan2(R.e2.z, R.e3.z)
     return np.array([x, y, z, psi, theta, phi, *ref.V.components(), *ref.w.components(), ref.zeta, ref.zeta_dot])

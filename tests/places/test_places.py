@@ -13,7 +13,7 @@ from companion.geodesy import LocalFrame, MapProjection
 from companion.law.gains import Level
 from companion.mission import GlobalOrigin, Mission, Origin
 from companion.places.origins import PlaceError, VehicleLocation, home_in, origin_in, placed
-from companion.places.words import place_words
+from companion.places.words import words_of_place
 
 ZURICH = LocalFrame(47.397742, 8.545594, 489.4)
 STANDING = VehicleLocation((12.0, -3.0, -0.2), on_ground=True)
@@ -109,56 +109,56 @@ def path(points: str, frame: str = "ned", origin: str = "") -> Mission:
 
 
 def test_words_for_heights_and_places() -> None:
-    words = place_words(path("from: [12, -3, -10], to: [60, -3, -14]"), Origin.TAKEOFF)
+    words = words_of_place(path("from: [12, -3, -10], to: [60, -3, -14]"), Origin.TAKEOFF)
     assert words.lines == (
         "the path runs 10.0 to 14.0 m above the take-off point",
         "it begins 10.0 m up, 12 m north and 3 m west of that point",
         "it lies 12 to 60 m north, 3 m west of that point",
     )
     assert words.warnings == ()
-    assert place_words(circle(), Origin.HOME).lines[0] == "the path runs 10.0 m above home"
-    assert "where its estimator started" in place_words(circle("origin: local"), Origin.HOME).lines[0]
+    assert words_of_place(circle(), Origin.HOME).lines[0] == "the path runs 10.0 m above home"
+    assert "where its estimator started" in words_of_place(circle("origin: local"), Origin.HOME).lines[0]
 
 
 def test_words_for_a_path_under_the_ground() -> None:
     wrong = path("from: [0, 0, 10], to: [50, 0, 10]")
-    words = place_words(wrong, Origin.TAKEOFF)
+    words = words_of_place(wrong, Origin.TAKEOFF)
     assert words.lines[0] == "the path runs 10.0 m BELOW the take-off point"
     (warning,) = words.warnings
     assert "under the ground" in warning
     assert "10 m up is z = -10" in warning
     assert "z points up in frame: enu" in str(
-        place_words(path("from: [0, 0, -9], to: [50, 0, -9]", "enu"), Origin.HOME)
+        words_of_place(path("from: [0, 0, -9], to: [50, 0, -9]", "enu"), Origin.HOME)
     )
-    (into,) = place_words(path("from: [0, 0, 5], to: [50, 0, -9]"), Origin.TAKEOFF).warnings
+    (into,) = words_of_place(path("from: [0, 0, 5], to: [50, 0, -9]"), Origin.TAKEOFF).warnings
     assert "down to 5.0 m BELOW the take-off point" in into
-    (low,) = place_words(path("from: [0, 0, -0.4], to: [50, 0, -9]"), Origin.TAKEOFF).warnings
+    (low,) = words_of_place(path("from: [0, 0, -0.4], to: [50, 0, -9]"), Origin.TAKEOFF).warnings
     assert "comes down to 0.4 m" in low
-    (high,) = place_words(path("from: [0, 0, -9], to: [50, 0, -150]"), Origin.TAKEOFF).warnings
+    (high,) = words_of_place(path("from: [0, 0, -9], to: [50, 0, -150]"), Origin.TAKEOFF).warnings
     assert "150 m above" in high
 
 
 def test_words_for_a_path_from_a_vehicle() -> None:
     mission = path("from: [0, 0, -10], to: [50, 0, -10]", origin="origin: local")
-    words = place_words(mission, Origin.LOCAL, VehicleLocation((-20.0, 0.0, 2.0), on_ground=True))
+    words = words_of_place(mission, Origin.LOCAL, VehicleLocation((-20.0, 0.0, 2.0), on_ground=True))
     assert words.lines[0] == "the path runs 12.0 m above the ground where the vehicle stands"
     assert words.lines[1] == "it begins 12.0 m up, 20 m north of that point"
-    assert "local frame" in place_words(mission, Origin.LOCAL, VehicleLocation((0.0, 0.0, -5.0))).lines[0]
+    assert "local frame" in words_of_place(mission, Origin.LOCAL, VehicleLocation((0.0, 0.0, -5.0))).lines[0]
     flying = VehicleLocation((0.0, 0.0, -5.0), on_ground=False, home_n=(0.0, 0.0, 3.0))
-    assert place_words(mission, Origin.LOCAL, flying).lines[0] == "the path runs 13.0 m above home"
-    far = place_words(path("from: [3000, 0, -10], to: [3050, 0, -10]"), Origin.TAKEOFF, STANDING)
+    assert words_of_place(mission, Origin.LOCAL, flying).lines[0] == "the path runs 13.0 m above home"
+    far = words_of_place(path("from: [3000, 0, -10], to: [3050, 0, -10]"), Origin.TAKEOFF, STANDING)
     assert "3.0 km away" in far.warnings[0]
 
 
 def test_words_for_a_place_on_the_earth() -> None:
-    words = place_words(circle("origin: [47.4, 8.5, 490]"), Origin.TAKEOFF)
+    words = words_of_place(circle("origin: [47.4, 8.5, 490]"), Origin.TAKEOFF)
     assert (
         words.lines[0]
         == "the path runs 10.0 m above the mission's origin (47.400000, 8.500000, 490.0 m above sea level)"
     )
     assert words.lines[1] == "that is 500.0 m above sea level"
     where = VehicleLocation((0.0, 0.0, 0.0), True, LocalFrame(47.4, 8.5, 495.0))
-    words = place_words(circle("origin: [47.4, 8.5, 490]"), Origin.TAKEOFF, where)
+    words = words_of_place(circle("origin: [47.4, 8.5, 490]"), Origin.TAKEOFF, where)
     assert words.lines[:2] == (
         "the path runs 5.0 m above the ground where the vehicle stands",
         "that is 500.0 m above sea level",

@@ -30,7 +30,7 @@ from companion.paths.curve import Curve
 from companion.paths.polyline import polyline
 from companion.places.origins import VehicleLocation, placed
 from companion.plans.items import Plan
-from companion.plans.route import route
+from companion.plans.route import route_of
 from companion.plans.scan import grown
 from companion.plans.waypoints import Waypoint
 from companion.profiles import AutoSpeed, ConstantSpeed, ConstantYaw, LookAt, TangentYaw, YawProfile
@@ -81,7 +81,7 @@ def test_a_square_is_flown_where_it_was_drawn(tmp_path: Path) -> None:
 
 
 def test_heights_above_the_sea_and_above_home() -> None:
-    amsl = route(read(waypoint(0, 0, 500, frame=0), waypoint(9, 0, 510, frame=0)))
+    amsl = route_of(read(waypoint(0, 0, 500, frame=0), waypoint(9, 0, 510, frame=0)))
     assert [w.place.amsl for w in amsl.waypoints] == [True, True]
 
 
@@ -148,7 +148,7 @@ def test_a_structure_scan_is_written_out_as_qgroundcontrol_would() -> None:
         "EntranceAltitude": 30, "ScanBottomAlt": 4, "StructureHeight": 16, "Layers": 2, "StartFromTop": True,
         "GimbalPitch": 0, "CameraCalc": {"DistanceToSurface": 5, "AdjustedFootprintFrontal": 6, "version": 2},
     }  # fmt: skip
-    way = route(read(scan))
+    way = route_of(read(scan))
     assert heights(way.waypoints) == [30.0, *[13.0] * 5, *[7.0] * 5, 30.0]
     home = LocalFrame(*HOME)
     lap = [w.place.seen_from(home)[:2] for w in way.waypoints[1:6]]
@@ -162,9 +162,9 @@ def test_a_structure_scan_is_written_out_as_qgroundcontrol_would() -> None:
 
 def test_jumps() -> None:
     a, b, c = waypoint(0, 0, 10), waypoint(20, 0, 11), waypoint(20, 20, 12)
-    twice = route(read(a, b, c, item(177, 2, 2), waypoint(0, 40, 13)))
+    twice = route_of(read(a, b, c, item(177, 2, 2), waypoint(0, 40, 13)))
     assert heights(twice.waypoints) == [10.0, 11.0, 12.0, 11.0, 12.0, 11.0, 12.0, 13.0]
-    for_ever = route(read(waypoint(-9, 0, 9, command=22), a, b, c, item(177, 2, -1)))
+    for_ever = route_of(read(waypoint(-9, 0, 9, command=22), a, b, c, item(177, 2, -1)))
     assert for_ever.closed
     assert heights(for_ever.waypoints) == [10.0, 11.0, 12.0]
     assert "what comes before the loop" in for_ever.notes[0]

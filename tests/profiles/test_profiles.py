@@ -15,11 +15,11 @@ from companion.config.mission.mission import mission_from
 from companion.config.syntax.document import parse
 from companion.config.syntax.faults import ConfigError
 from companion.config.vehicle import load_vehicle
-from companion.feasibility.demand import demand
+from companion.feasibility.demand import compute_demand
 from companion.feasibility.headroom import ACCELERATION, END_SPEED
 from companion.feasibility.limits import quantities
 from companion.feasibility.report import check
-from companion.feasibility.stations import stations
+from companion.feasibility.stations import stations_along
 from companion.frames import wrap
 from companion.mission import Mission
 from companion.profiles import Four, SpeedExpression, SpeedProfile, YawExpression, speed_table, yaw_table
@@ -134,8 +134,8 @@ def test_the_fastest_speed_keeps_its_margin_everywhere_and_uses_it_somewhere(pat
     speed = report.mission.speed
     assert isinstance(speed, SpeedProfile)
     s = np.random.default_rng(5).uniform(0.0, report.length, 4000)
-    at = stations(report.mission, np.sort(s))
-    asked = demand(at, X500)
+    at = stations_along(report.mission, np.sort(s))
+    asked = compute_demand(at, X500)
     used = max(float(np.max(q.used)) for q in quantities(asked, X500) if q.name != "speed_mps")
     along = float(np.max(np.abs(asked.along))) / ACCELERATION
     fast = float(np.max(asked.speed)) / 7.0

@@ -22,7 +22,7 @@ from companion.record.files import write_new, write_whole
 from companion.record.growing import GrowingFile
 from companion.record.replay import load_flight, replay
 from companion.record.report.evidence import read_evidence
-from companion.record.report.page import page
+from companion.record.report.page import page_text
 from companion.record.table import Column, TableWriter, read_table
 from companion.record.tlog import TlogWriter, records
 from tests.support.flights import flight
@@ -177,7 +177,7 @@ def test_a_flight_cut_anywhere_is_replayed_and_reported_up_to_the_cut(flown: Pat
         assert recorded.cuts == (f"flight.npy was cut short; {len(recorded.table)} whole rows of it are read",)
         replayed = replay(recorded)
         assert replayed.difference is None and replayed.ticks == len(recorded.table)
-        text = page(read_evidence(copy), [])
+        text = page_text(read_evidence(copy), [])
         assert "was cut short" in text and "the record ends in the middle of the flight" in text
 
 

@@ -14,7 +14,7 @@ from companion.estimation.estimator import DRAG_STD, THRUST_SCALE_STD
 from companion.estimation.learned import AGEING, Learned, prior_of, sane
 from companion.record.learned import load_learned, save_learned, state_file
 from companion.vehicle import OutputLevel
-from trials.measured import course, machine, measured, world
+from trials.measured import course, machine, measure_flight, world
 
 FOUND = Learned(0.5, 0.8, 0.065)
 
@@ -92,7 +92,7 @@ def test_a_place_that_cannot_be_written_is_no_fault(tmp_path: Path) -> None:
 
 
 def test_a_flight_finds_out_what_its_vehicle_is() -> None:
-    done = measured(course("circle_r5", 3.0), machine("x500"), world("ideal"), OutputLevel.RATES, duration=17.0)
+    done = measure_flight(course("circle_r5", 3.0), machine("x500"), world("ideal"), OutputLevel.RATES, duration=17.0)
     learned = done.conductor.learned
     assert learned is not None
     assert learned.hover_thrust == pytest.approx(0.5737, rel=0.02)

@@ -22,7 +22,7 @@ from companion.record.report import errors, figures, motion, write_report, zoom
 from companion.record.report.curves import points_along, points_to_draw
 from companion.record.report.evidence import Evidence, read_evidence
 from companion.record.report.figures import inline
-from companion.record.report.page import page
+from companion.record.report.page import page_text
 from companion.record.report.style import drawing
 from companion.record.report.text import number_text
 from companion.record.summary import summary
@@ -113,7 +113,7 @@ class Reader(HTMLParser):
 
 def page_of(directory: Path) -> str:
     """The page without its figures, which take their time."""
-    return page(read_evidence(directory), [])
+    return page_text(read_evidence(directory), [])
 
 
 def read(directory: Path) -> Reader:
@@ -300,11 +300,11 @@ def in_real_time(evidence: Evidence) -> Evidence:
 
 def test_a_real_time_flight_shows_its_timing_and_date(flown: Path) -> None:
     evidence = in_real_time(read_evidence(flown))
-    text = page(evidence, figures.figures(evidence))
+    text = page_text(evidence, figures.figure_sections(evidence))
     assert 'id="figure-gaps"' in text and 'id="figure-latency"' in text
     assert "gap between setpoints, ms" in text and "state to setpoint, ms" in text
     assert "15 January 2027" in text and "simulated, in real time" in text
-    text = page(dataclasses.replace(evidence, truth=None), [])
+    text = page_text(dataclasses.replace(evidence, truth=None), [])
     assert "real-time flight" in text and "simulated" not in text
 
 
@@ -316,7 +316,7 @@ def test_other_levels_show_rates_instead_of_motors(flown: Path, level: OutputLev
     table["sent_4"] = 0.5
     evidence = dataclasses.replace(evidence, plan=plan, table=table)
     with drawing():
-        text = inline(motion.motion(evidence, motion.whole(evidence)), "motion", "rates")
+        text = inline(motion.motion_figure(evidence, motion.whole(evidence)), "motion", "rates")
     assert "Body rate p, deg/s" in text and "setpoint" in text
     assert "Motor commands, N" not in text
 
@@ -372,7 +372,7 @@ def test_what_happened_is_told_shaded_and_marked(flown: Path) -> None:
     (hold,) = [each for each in evidence.flight_events if each.kind == "hold"]
     assert (hold.begin, hold.end) == pytest.approx((3.0 - first, 4.0 - first), abs=0.01)
     assert hold.ahead == pytest.approx(2.0, abs=0.1)
-    text = page(evidence, figures.figures(evidence))
+    text = page_text(evidence, figures.figure_sections(evidence))
     assert "held still for 1.0 s" in text and "a timetable: 2.0 m ahead" in text and "held 1.0 s" in text
     charts = [json.loads(each) for each in re.findall(r'class="chart">(.*?)</script>', text)]
     spans = [shape for shape in charts[1]["layout"]["shapes"] if shape["type"] == "rect"]

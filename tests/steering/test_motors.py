@@ -9,7 +9,7 @@ import pytest
 
 from companion.vehicle import OutputLevel
 from companion.world import Link, Way
-from trials.measured import Measured, course, machine, measured, world
+from trials.measured import Measured, course, machine, measure_flight, world
 
 RATES_ON_SIH_NOISY = 0.0242
 """m RMS of the believed path error at rates, circle_r5 at 3 m/s, seed 0, from 10 s to 40 s of following."""
@@ -20,7 +20,7 @@ def flown(where: str, duration: float = 30.0, up: float = 0.004, drag: float = 1
     air, true = world(where, link=Link(up=Way(delay=up))), machine("sih")
     air = dataclasses.replace(air, truth=dataclasses.replace(air.truth, drag=true.drag))
     told = dataclasses.replace(true, drag=drag * true.drag)
-    return measured(
+    return measure_flight(
         course("circle_r5", 3.0, OutputLevel.MOTORS), told, air, OutputLevel.MOTORS, duration=duration
     )  # fmt: skip
 

@@ -24,7 +24,7 @@ from sim_bridge.bridge import Bridge
 from sim_bridge.control.attitude import GAINS, rates_for
 from sim_bridge.plant import Truth
 from tests.support.flights import Flown, flight
-from trials.measured import course, machine, measured, world
+from trials.measured import course, machine, measure_flight, world
 from trials.rivals.sorties import PLACES
 from trials.robustness import flown as robust
 
@@ -55,7 +55,7 @@ def test_in_a_fast_turn_px4_flies_the_rates_that_were_meant() -> None:
             meant.append((p / g, q / k, r))
             asked.append(bridges[0].autopilot.cascade.rates_wanted)
 
-    done = measured(
+    done = measure_flight(
         course("circle_r5", 6.0, OutputLevel.ATTITUDE), machine("sih"), world("ideal"), OutputLevel.ATTITUDE,
         duration=12.0, settle=8.0, prepare=lambda _, bridge: bridges.append(bridge), watch=watch,
     )  # fmt: skip
@@ -111,7 +111,7 @@ def test_a_circle_on_the_stand_in(level: OutputLevel) -> None:
 @pytest.mark.parametrize("level", [OutputLevel.RATES, OutputLevel.ATTITUDE])
 def test_a_vehicle_said_to_have_no_lag_is_flown(level: OutputLevel) -> None:
     none = machine("sih", rate_loop_lag=0.0)
-    done = measured(course("circle_r5", 2.0, level), none, world("ideal"), level, duration=10.0, settle=6.0)
+    done = measure_flight(course("circle_r5", 2.0, level), none, world("ideal"), level, duration=10.0, settle=6.0)
     assert done.reason is None
     assert done.true is not None
     assert done.true.path < 0.05
@@ -128,7 +128,7 @@ def test_held_on_the_path_it_waits_and_carries_on(speed: float, off: float) -> N
             _, distance = conductor.plan.table.locate(truth.p_n)
             most[0], most[1] = max(most[0], distance), max(most[1], math.hypot(*truth.v_n))
 
-    done = measured(course("circle_r5", speed), machine("x500"), held, duration=15.0, settle=14.0, watch=watch)
+    done = measure_flight(course("circle_r5", speed), machine("x500"), held, duration=15.0, settle=14.0, watch=watch)
     assert done.reason is None
     assert most[0] < off
     assert 0.8 * speed < most[1] < 1.3 * speed
@@ -140,7 +140,7 @@ def test_at_the_end_of_the_thrust_the_path_comes_first_then_the_speed_then_the_h
     assert believed.limits is not None
     believed = dataclasses.replace(believed, limits=dataclasses.replace(believed.limits, tilt=math.radians(65.0)))
     heavy = world("ideal", link=Link(Way(0.01), Way(0.01)), truth=Deviations(mass=1.1 * believed.mass, drag=0.2))
-    done = measured(course("figure8", 4.0), believed, heavy, duration=25.0, settle=10.0)
+    done = measure_flight(course("figure8", 4.0), believed, heavy, duration=25.0, settle=10.0)
     assert done.reason is None
     assert done.true is not None
     assert done.true.path < 0.025
@@ -176,7 +176,9 @@ def test_the_drag_is_known_after_one_lap(speed: float) -> None:
 
     # up to the speed it takes half the ramp's length longer
     seconds = 10.0 * math.pi / speed + speed
-    done = measured(course("circle_r5", speed), believed, there, duration=seconds, settle=seconds - 1.0, watch=watch)
+    done = measure_flight(
+        course("circle_r5", speed), believed, there, duration=seconds, settle=seconds - 1.0, watch=watch
+    )
     assert done.reason is None
     assert found[0] == pytest.approx(1.0, abs=0.05)
 
@@ -207,7 +209,9 @@ def test_a_wrong_hover_thrust_is_found_before_the_path_is_flown(factor: float, m
         if conductor.memory.steering.memory.estimate.motion.estimator.converged and not converged_at:
             converged_at.append(now)
 
-    done = measured(course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=5.0, settle=3.0, watch=watch)
+    done = measure_flight(
+        course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=5.0, settle=3.0, watch=watch
+    )
     assert done.reason is None
     assert max(abs(height + 10.0) for height in heights) < 0.5
     assert converged_at[0] < 3.0
@@ -254,7 +258,7 @@ def test_thrust_that_drifts_in_flight_is_followed() -> None:
         if conductor.last is not None and conductor.last.outcome.setpoint is not None:
             commands.append(conductor.last.outcome.setpoint.thrust)
 
-    done = measured(course("circle_r5", 3.0), machine("x500"), fading, duration=12.0, settle=5.0, watch=watch)
+    done = measure_flight(course("circle_r5", 3.0), machine("x500"), fading, duration=12.0, settle=5.0, watch=watch)
     assert done.reason is None
     assert max(abs(height + 10.0) for height in lowest) < 0.3
     assert commands[-1] > commands[len(commands) // 12] / 0.85  # the same lift takes that much more
@@ -275,7 +279,7 @@ def test_captured_from_beside_and_above(away: tuple[float, float], level: Output
         off.append(math.hypot(math.hypot(x, y) - 5.0, z + 10.0))
 
     start = Start.hover((0.0, 5.0 + away[0], -10.0 - away[1]))
-    done = measured(
+    done = measure_flight(
         course("circle_r5", 3.0), machine("x500"), world("ideal"), level, duration=4.0, settle=2.0, start=start,
         watch=watch,
     )  # fmt: skip
@@ -298,7 +302,7 @@ def test_captured_from_far_without_overshoot(off: float) -> None:
         most[1] = max(most[1], tilt(rotation_matrix(truth.q_nb)))
 
     start = Start.hover((0.0, 5.0 + off, -10.0))
-    done = measured(
+    done = measure_flight(
         course("circle_r5", 3.0), machine("x500"), world("ideal"), duration=4.0, settle=2.0, start=start, watch=watch
     )
     assert done.reason is None

@@ -16,7 +16,7 @@ from sim_bridge.bridge import Bridge
 from sim_bridge.control.filters import ButterworthLowPass
 from sim_bridge.noise import RandomStream, normals
 from sim_bridge.plant import Truth
-from trials.measured import course, measured
+from trials.measured import course, measure_flight
 
 MAGIC = b"ULog\x01\x12\x35\x01"
 FORMATS = {
@@ -138,7 +138,7 @@ def logged(
 ) -> Path:  # fmt: skip
     """Fly and log."""
     logger = Logger(every or {}, accelerometer_std)
-    measured(
+    measure_flight(
         course(mission, speed), vehicle, where, OutputLevel.RATES, duration=duration,
         prepare=logger.prepare, watch=logger.watch,
     )  # fmt: skip

@@ -21,7 +21,7 @@ from companion.paths.spline import SPACING, spline
 from companion.paths.tracing import LENGTH_MAX
 from companion.plans.items import Key, Plan, PlanError, Problem, fence_in
 from companion.plans.payload import placed_along
-from companion.plans.route import route
+from companion.plans.route import route_of
 from companion.plans.waypoints import Route, Waypoint
 from companion.profiles import AutoSpeed, Yaw
 
@@ -60,9 +60,9 @@ def prepare_plan(
 ) -> Planned:  # fmt: skip
     """``tolerance``: m, how far from a waypoint the path may pass it. ``smooth``: a spline through the waypoints.
     ``placement``: how the mission counts. ``home_altitude``: m above the sea, told where the plan does not say.
-    ``line_of``: see ``route``.
+    ``line_of``: see ``route_of``.
     PlanError: it cannot be flown. ValueError: its waypoints cannot be joined."""
-    way = route(plan, line_of)
+    way = route_of(plan, line_of)
     home = plan.home or Home(*way.waypoints[0].place[:2], home_altitude)
     above_sea = {waypoint.place.amsl for waypoint in way.waypoints}
     if True in above_sea and home.altitude is None:

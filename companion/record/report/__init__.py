@@ -23,7 +23,7 @@ from pathlib import Path
 
 from companion.record.files import write_whole
 from companion.record.report.evidence import read_evidence
-from companion.record.report.page import page
+from companion.record.report.page import page_text
 from companion.vehicle import CompanionError
 
 
@@ -39,7 +39,7 @@ def write_report(directory: Path) -> Path:
             raise
         raise CompanionError("the report draws with matplotlib: pip install 'px4-path-companion[report]'") from None
     evidence = read_evidence(directory)
-    text = page(evidence, figures.figures(evidence), zoom.library())
+    text = page_text(evidence, figures.figure_sections(evidence), zoom.library())
     target = directory / "report.html"
     write_whole(target, text, durable=False)
     return target

@@ -22,7 +22,7 @@ NOT_FOLLOWED = Section(
 )
 
 
-def figures(evidence: Evidence) -> list[Section]:
+def figure_sections(evidence: Evidence) -> list[Section]:
     """Every figure, or the words that stand in its place."""
     with drawing():
         if not evidence.has_following:
@@ -109,14 +109,16 @@ def _motion(evidence: Evidence) -> Section:
         else []
     )
     pictures = [
-        _picture("motion", lambda: motion.motion(evidence, motion.whole(evidence)), f"All of it: {shown}{below}.")
+        _picture(
+            "motion", lambda: motion.motion_figure(evidence, motion.whole(evidence)), f"All of it: {shown}{below}."
+        )
     ]
     late = motion.last_lap(evidence)
     if late is not None:
         window, lap = late
         name = "The last lap" if lap else "The settled part"
         caption = f"{name}, each axis on its own scale: what the path itself asks of the vehicle."
-        pictures.append(_picture("motion-late", lambda: motion.motion(evidence, window), caption))
+        pictures.append(_picture("motion-late", lambda: motion.motion_figure(evidence, window), caption))
     return Section(title, words, pictures)
 
 

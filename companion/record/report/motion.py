@@ -46,7 +46,7 @@ def last_lap(evidence: Evidence) -> tuple[Window, bool] | None:
     return Window(settled, end), False
 
 
-def motion(evidence: Evidence, window: Window) -> Figure:
+def motion_figure(evidence: Evidence, window: Window) -> Figure:
     """Attitude, thrust, and the motors or the rates, over the window's time."""
     motors = evidence.plan.level is OutputLevel.MOTORS
     heights = [1.1, 0.8, 1.2] if motors else [1.0, 0.8, 0.62, 0.62, 0.62]

@@ -51,7 +51,7 @@ _TILES = (
 )
 
 
-def page(evidence: Evidence, sections: list[Section], library: str | None = None) -> str:
+def page_text(evidence: Evidence, sections: list[Section], library: str | None = None) -> str:
     """The whole page. ``library``: plotly.js, gzipped and in base64, to zoom with; None: the figures are still."""
     completed, sentence = outcome(evidence)
     return _PAGE.substitute(

@@ -25,7 +25,7 @@ from companion.mavlink_common import (
     MavSeverity,
 )
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commands.parts import Command, Handler, Wire
+from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, accept
 from sim_bridge.autopilot.missions.store import Kind
 
 REGIONS_OF_INTEREST = (
@@ -139,17 +139,13 @@ def _land_start(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult
     return MavResult.CANCELLED
 
 
-def _accept(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
-    return MavResult.ACCEPTED
-
-
 HANDLERS: dict[int, Handler] = {
     MAV_CMD_DO_CHANGE_SPEED: _change_speed,
     MAV_CMD_DO_SET_HOME: _set_home,
-    MAV_CMD_DO_SET_GLOBAL_ORIGIN: _accept,
+    MAV_CMD_DO_SET_GLOBAL_ORIGIN: accept,
     MAV_CMD_DO_CHANGE_ALTITUDE: _change_altitude,
     MAV_CMD_DO_LAND_START: _land_start,
-    MAV_CMD_DO_GO_AROUND: _accept,
+    MAV_CMD_DO_GO_AROUND: accept,
     MAV_CMD_DO_REPOSITION: _reposition,
     MAV_CMD_MISSION_START: _start_mission,
     MAV_CMD_DO_SET_MISSION_CURRENT: _set_mission_current,

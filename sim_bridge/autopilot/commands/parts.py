@@ -47,6 +47,11 @@ class Wire(Protocol):
 Handler = Callable[[Command, Autopilot, Wire], MavResult | None]
 
 
+def accept(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
+    """A command that PX4 accepts and that changes nothing here."""
+    return MavResult.ACCEPTED
+
+
 def is_integer_max(value: float) -> bool:
     """Whether a float is INT32_MAX, cast: somebody sent a COMMAND_INT's "not given" in a COMMAND_LONG."""
     return _CAST_LOW <= value <= _CAST_HIGH

@@ -28,7 +28,7 @@ from companion.mavlink_common import (
     MavSeverity,
 )
 from sim_bridge.autopilot.autopilot import Autopilot
-from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, whole
+from sim_bridge.autopilot.commands.parts import Command, Handler, Wire, accept, whole
 
 MESSAGE_INTERVAL = 244
 """The message that GET_MESSAGE_INTERVAL, and a request for it, is answered with."""
@@ -165,31 +165,27 @@ def _high_latency(command: Command, autopilot: Autopilot, wire: Wire) -> MavResu
     return MavResult.FAILED
 
 
-def _accept(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
-    return MavResult.ACCEPTED
-
-
 def _deny(command: Command, autopilot: Autopilot, wire: Wire) -> MavResult:
     return MavResult.DENIED
 
 
 HANDLERS: dict[int, Handler] = {
-    MAV_CMD_DO_SET_ACTUATOR: _accept,
+    MAV_CMD_DO_SET_ACTUATOR: accept,
     MAV_CMD_DO_GRIPPER: _grip,
     MAV_CMD_DO_AUTOTUNE_ENABLE: _autotune,
     MAV_CMD_PREFLIGHT_CALIBRATION: _calibrate,
     MAV_CMD_PREFLIGHT_STORAGE: _storage,
     MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: _reboot,
     MAV_CMD_ACTUATOR_TEST: _test_actuator,
-    MAV_CMD_RUN_PREARM_CHECKS: _accept,
+    MAV_CMD_RUN_PREARM_CHECKS: accept,
     MAV_CMD_INJECT_FAILURE: _inject_failure,
     MAV_CMD_GET_MESSAGE_INTERVAL: _get_message_interval,
     MAV_CMD_SET_MESSAGE_INTERVAL: _set_message_interval,
     MAV_CMD_REQUEST_MESSAGE: _request_message,
-    MAV_CMD_EXTERNAL_ATTITUDE_ESTIMATE: _accept,
+    MAV_CMD_EXTERNAL_ATTITUDE_ESTIMATE: accept,
     MAV_CMD_LOGGING_START: _deny,  # there is no log to stream
     MAV_CMD_CONTROL_HIGH_LATENCY: _high_latency,
     MAV_CMD_DO_SET_SAFETY_SWITCH_STATE: _set_safety,
     MAV_CMD_FIXED_MAG_CAL_YAW: _calibrate_heading,
-    MAV_CMD_EXTERNAL_POSITION_ESTIMATE: _accept,
+    MAV_CMD_EXTERNAL_POSITION_ESTIMATE: accept,
 }

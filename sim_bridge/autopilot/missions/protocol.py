@@ -44,6 +44,10 @@ TOO_FEW_CORNERS = 3
 _CLEAR, _LIST, _SET_CURRENT = (message(f"MISSION_{name}") for name in ("CLEAR_ALL", "REQUEST_LIST", "SET_CURRENT"))
 
 
+Fields = Mapping[str, Value]
+"""A message's, by their names."""
+
+
 class State(enum.Enum):
     """What a link is in the middle of."""
 
@@ -69,7 +73,7 @@ class MissionLink:
         self._now = self._heard_us = self._sent_us = self._tell_at_us = 0
         self._told: tuple[int, bool] = (0, False)
         self._reached, self._reached_again = -1, 0
-        self.handlers: Mapping[int, Callable[[Frame], None]] = {
+        handlers: Mapping[int, Callable[[Frame, Fields], None]] = {
             ACK.id: self._notice_acknowledgement,
             _CLEAR.id: self._clear,
             COUNT.id: self._begin_upload,
@@ -80,6 +84,7 @@ class MissionLink:
             ITEM.id: self._item,
             ITEM_INT.id: self._item,
         }
+        self.handlers = {number: self._if_ours(handle) for number, handle in handlers.items()}
 
     def poll(self, now_us: int) -> None:
         """Tell how the mission goes and look after transfers. To be called every 10 ms."""
@@ -109,14 +114,18 @@ class MissionLink:
             elif self._expected == 0:
                 self._tell_count()
 
-    def _is_ours(self, said: Mapping[str, Value]) -> bool:
-        return said["target_system"] == self._system and said["target_component"] in OUR_COMPONENTS
+    def _if_ours(self, handle: Callable[[Frame, Fields], None]) -> Callable[[Frame], None]:
+        """``handle``, for what is meant for this vehicle; the rest is passed over."""
 
-    def _list(self, frame: Frame) -> None:
-        said = frame.format.named(frame.values)
-        if not self._is_ours(said):
-            return
-        sender, kind = (frame.system, frame.component), said["mission_type"]
+        def handle_ours(frame: Frame) -> None:
+            fields = frame.format.named(frame.values)
+            if fields["target_system"] == self._system and fields["target_component"] in OUR_COMPONENTS:
+                handle(frame, fields)
+
+        return handle_ours
+
+    def _list(self, frame: Frame, fields: Fields) -> None:
+        sender, kind = (frame.system, frame.component), fields["mission_type"]
         if self._state is State.SENDING and self._expected == len(self._list_of(self._kind)):
             self._state = State.IDLE  # all was sent; the acknowledgement may have been lost
         again = self._state is State.SENDING and (self._kind, self._partner) == (kind, sender)
@@ -127,18 +136,15 @@ class MissionLink:
         self._expected, self._count = 0, len(self._list_of(kind))
         self._tell_count()
 
-    def _send_item(self, frame: Frame) -> None:
-        said = frame.format.named(frame.values)
-        if not self._is_ours(said):
-            return
+    def _send_item(self, frame: Frame, fields: Fields) -> None:
         self._whole = frame.format is REQUEST_INT
         if (frame.system, frame.component) != self._partner:
             self._complain("WPM: REJ. CMD: partner id mismatch\t")
         elif self._state is State.RECEIVING:
             self._complain("WPM: REJ. CMD: Busy\t")
-        elif self._state is State.SENDING and said["mission_type"] == self._kind:
+        elif self._state is State.SENDING and fields["mission_type"] == self._kind:
             self._heard_us = self._now
-            asked, items = said["seq"], self._list_of(self._kind)
+            asked, items = fields["seq"], self._list_of(self._kind)
             if asked == self._expected < self._count:
                 self._expected += 1
             elif asked != self._expected - 1:
@@ -151,26 +157,20 @@ class MissionLink:
                 self._acknowledge(self._partner, MavMissionResult.ERROR)
                 self._complain("WPM: REJ. CMD: Req. WP was unexpected\t")
 
-    def _notice_acknowledgement(self, frame: Frame) -> None:
-        said = frame.format.named(frame.values)
-        if not self._is_ours(said):
-            return
+    def _notice_acknowledgement(self, frame: Frame, fields: Fields) -> None:
         if (frame.system, frame.component) != self._partner:
             self._complain("REJ. WP CMD: partner id mismatch\t")
-        elif self._state is State.SENDING and said["mission_type"] == self._kind:
+        elif self._state is State.SENDING and fields["mission_type"] == self._kind:
             self._state = State.IDLE
         elif self._state is State.RECEIVING:
-            if said["type"] == MavMissionResult.UNSUPPORTED:  # the partner speaks the other kind of item
+            if fields["type"] == MavMissionResult.UNSUPPORTED:  # the partner speaks the other kind of item
                 self._whole = not self._whole
                 self._ask()
-            elif said["type"] == MavMissionResult.OPERATION_CANCELLED:
+            elif fields["type"] == MavMissionResult.OPERATION_CANCELLED:
                 self._finish()
 
-    def _begin_upload(self, frame: Frame) -> None:
-        said = frame.format.named(frame.values)
-        if not self._is_ours(said):
-            return
-        sender, count = (frame.system, frame.component), said["count"]
+    def _begin_upload(self, frame: Frame, fields: Fields) -> None:
+        sender, count = (frame.system, frame.component), fields["count"]
         if self._state is State.RECEIVING:
             self._heard_us = self._now
             if sender != self._partner:
@@ -189,7 +189,7 @@ class MissionLink:
         if self._store.transferring:  # on another link
             self._acknowledge(sender, MavMissionResult.ERROR)
             return
-        self._partner, self._kind, self._id, self._reached = sender, said["mission_type"], 0, -1
+        self._partner, self._kind, self._id, self._reached = sender, fields["mission_type"], 0, -1
         most = MOST[Kind(self._kind)] if self._kind in tuple(Kind) else 0
         if count > most:
             self._acknowledge(sender, MavMissionResult.NO_SPACE)
@@ -202,28 +202,25 @@ class MissionLink:
             self._expected, self._count, self._items, self._current = 0, count, [], None
             self._ask()
 
-    def _item(self, frame: Frame) -> None:
-        said = frame.format.named(frame.values)
-        if not self._is_ours(said):
-            return
+    def _item(self, frame: Frame, fields: Fields) -> None:
         self._whole = frame.format is ITEM_INT
         if (frame.system, frame.component) != self._partner:
             self._complain("REJ. MIS ITEM: partner id mismatch\t")
-        elif said["mission_type"] != self._kind:
+        elif fields["mission_type"] != self._kind:
             self._acknowledge(self._partner, MavMissionResult.ERROR)
         elif self._state is State.SENDING:
             self._complain("IGN MISSION_ITEM: Busy\t")
             self._acknowledge(self._partner, MavMissionResult.ERROR)
         elif self._state is State.IDLE:
-            if self._expected == said["seq"] + 1:  # the last one again: our acknowledgement was lost
+            if self._expected == fields["seq"] + 1:  # the last one again: our acknowledgement was lost
                 self._acknowledge(self._partner, MavMissionResult.ACCEPTED, self._id)
             else:
                 self._complain("IGN MISSION_ITEM: No transfer\t")
                 self._acknowledge(self._partner, MavMissionResult.ERROR)
         else:
             self._heard_us = self._now
-            if said["seq"] == self._expected:
-                self._take(frame, said["current"])
+            if fields["seq"] == self._expected:
+                self._take(frame, fields["current"])
 
     def _take(self, frame: Frame, current: int) -> None:
         """The item that was asked for."""
@@ -254,26 +251,20 @@ class MissionLink:
         self._finish()
         self._acknowledge(self._partner, MavMissionResult.ACCEPTED, self._id)
 
-    def _clear(self, frame: Frame) -> None:
-        said = frame.format.named(frame.values)
-        if not self._is_ours(said):
-            return
+    def _clear(self, frame: Frame, fields: Fields) -> None:
         if self._state is not State.IDLE:
             self._complain("WPM: IGN CLEAR CMD: Busy\t")
             return
-        self._kind = said["mission_type"]
+        self._kind = fields["mission_type"]
         for kind in Kind:
             if self._kind in (kind, ALL):
                 self._store.clear(kind)
         self._acknowledge((frame.system, frame.component), MavMissionResult.ACCEPTED)
 
-    def _set_current(self, frame: Frame) -> None:
-        said = frame.format.named(frame.values)
-        if not self._is_ours(said):
-            return
+    def _set_current(self, frame: Frame, fields: Fields) -> None:
         if self._state is not State.IDLE:
             self._complain("WPM: IGN WP CURR CMD: Busy\t")
-        elif not self._store.set_current(said["seq"]):
+        elif not self._store.set_current(fields["seq"]):
             self._complain("WPM: WP CURR CMD: Not in list\t")
 
     def _list_of(self, kind: int) -> tuple[Item, ...]:
