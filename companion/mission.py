@@ -81,33 +81,26 @@ class PathAction(NamedTuple):
 
 @dataclass(frozen=True)
 class Mission:
-    """``path``: where. ``speed``, ``yaw``: alpha and beta along it. ``gains``: for the level that is flown, None where
-    the level is not known. ``laps``: how many times around, None for until told. ``origin``: None where the file does
-    not say. ``heading``: the kind that ``yaw`` gives. ``look_at``: the point of ``yaw: look_at`` in the mission's
-    coordinates. ``repeat``: what follows the end of an open path; None: it ends there. ``fence``: where the vehicle may
-    be, in the mission's coordinates. ``notes``: what of the file is not flown, in sentences for the pilot. ``home``:
-    where its file, or who reads it, says that home is. ``given_home``: what of that was told beside the file.
-    ``mixed_heights``: heights above home and above the sea meet in it, so that its shape hangs on home's altitude.
-    ``actions``: of the payload, by arc length."""
+    """What is to be flown."""
 
     name: str
-    path: Path
-    speed: Speed
-    yaw: Yaw
-    gains: Gains | None = None
-    laps: float | None = None
-    start: Start | None = None
-    origin: Origin | GlobalOrigin | None = None
-    vehicle: str | None = None
-    heading: Heading = Heading.PROJECTED
-    look_at: Vec3 | None = None
-    repeat: Repeat | None = None
-    fence: Fence | None = None
-    notes: tuple[str, ...] = ()
-    home: Home | None = None
-    given_home: GivenHome = NO_HOME_GIVEN
-    mixed_heights: bool = False
-    actions: tuple[PathAction, ...] = ()
+    path: Path  # where
+    speed: Speed  # alpha along it
+    yaw: Yaw  # beta along it
+    gains: Gains | None = None  # of the level that is flown; None where the level is not known
+    laps: float | None = None  # how many times around; None: until told
+    start: Start | None = None  # where the vehicle begins in a simulation
+    origin: Origin | GlobalOrigin | None = None  # what it counts from; None where the file does not say
+    vehicle: str | None = None  # the file it is made for
+    heading: Heading = Heading.PROJECTED  # the kind that yaw gives
+    look_at: Vec3 | None = None  # m, the point of yaw: look_at, in the mission's coordinates
+    repeat: Repeat | None = None  # what follows the end of an open path; None: it ends there
+    fence: Fence | None = None  # where the vehicle may be, in the mission's coordinates
+    notes: tuple[str, ...] = ()  # what of the file is not flown, in sentences for the pilot
+    home: Home | None = None  # where its file, or who reads it, says that home is
+    given_home: GivenHome = NO_HOME_GIVEN  # what of that was told beside the file
+    mixed_heights: bool = False  # heights above home and above the sea meet in it: its shape hangs on home's altitude
+    actions: tuple[PathAction, ...] = ()  # of the payload, by arc length
 
     def placed(self, origin_n: Vec3, turn: float | None = None) -> Mission:
         """The mission with its origin at ``origin_n`` of the vehicle's local frame, its axes turned by ``turn`` (rad,

@@ -36,28 +36,21 @@ AS_USUAL = Conduct()
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be flown.
+    """What is to be flown, by one vehicle at one output level."""
 
-    ``mission``: placed in the vehicle's local frame; ``table``: its curve; ``steering``: the law for ``vehicle`` at an
-    output ``level``. ``direction``: +1 along mu, -1 against. ``ramp_time``: s until full speed, 0 for none. ``laps``,
-    ``duration`` (s): when following is finished; None until told. ``tuning``: what the autopilot's parameters say.
-    ``conduct``: how the flight is conducted. ``learned``: what the vehicle's last flight left. ``path_pole``: 1/s, of
-    h1 and h2 where it was chosen and may be lowered; None: as written.
-    """
-
-    mission: Mission
+    mission: Mission  # placed in the vehicle's local frame
     vehicle: Vehicle
     level: OutputLevel
-    steering: Steering
-    table: ArcTable
-    direction: float
-    ramp_time: float
-    laps: float | None
-    duration: float | None
-    tuning: Tuning = NOT_SAID
-    conduct: Conduct = AS_USUAL
-    learned: Learned | None = None
-    path_pole: float | None = None
+    steering: Steering  # the law for the vehicle at the level
+    table: ArcTable  # the mission's curve
+    direction: float  # +1 along mu, -1 against
+    ramp_time: float  # s until full speed, 0 for none
+    laps: float | None  # after which following is finished; None: until told
+    duration: float | None  # s after which it is; None: until told
+    tuning: Tuning = NOT_SAID  # what the autopilot's parameters say
+    conduct: Conduct = AS_USUAL  # how the flight is conducted
+    learned: Learned | None = None  # what the vehicle's last flight left
+    path_pole: float | None = None  # 1/s, of h1 and h2 where it was chosen and may be lowered; None: as written
 
 
 def law_level(level: OutputLevel) -> Level:

@@ -17,7 +17,7 @@ from sim_bridge.noise import Draw, FirstOrder, SecondOrder
 
 AIRSPEED_MIN = 0.5
 """m/s. A vehicle that drifts with the air still feels the gusts pass, for they do not last for ever."""
-PACED_EVERY = 0.02
+SET_EVERY = 0.02
 """s between two looks at height and airspeed."""
 ROOT_3 = math.sqrt(3.0)
 """Of Dryden's transverse spectrum."""
@@ -33,8 +33,8 @@ class GustyAir:
         self._step = step
         speed = math.hypot(wind_n[0], wind_n[1])
         self._along = (1.0, 0.0) if speed == 0.0 else (wind_n[0] / speed, wind_n[1] / speed)
-        self._every = max(1, round(PACED_EVERY / step))
-        self._until_paced = 0
+        self._every = max(1, round(SET_EVERY / step))
+        self._until_set = 0
         self._u = FirstOrder(draw, step, 1.0)
         self._v = SecondOrder(draw, step, 1.0)
         self._w = SecondOrder(draw, step, 1.0)
@@ -42,16 +42,16 @@ class GustyAir:
 
     def update(self, height: float, airspeed: float) -> Vec3:
         """What the gusts add to the wind (m/s, NED) a step later, at a height (m) and an airspeed (m/s)."""
-        if self._until_paced == 0:
-            self._until_paced = self._every
+        if self._until_set == 0:
+            self._until_set = self._every
             now = self._gusts.at(height)
             self._sigma = now.sigma
             passed = self._step * max(AIRSPEED_MIN, airspeed)
             length, width, depth = now.length
-            self._u.pace(passed / length)
-            self._v.pace(passed / width)
-            self._w.pace(passed / depth)
-        self._until_paced -= 1
+            self._u.set_step(passed / length)
+            self._v.set_step(passed / width)
+            self._w.set_step(passed / depth)
+        self._until_set -= 1
         along, across, down = self._sigma
         self._v.update()
         self._w.update()

@@ -45,10 +45,10 @@ class FirstOrder:
 
     def __init__(self, draw: Draw, step: float, time: float) -> None:
         self._draw = draw
-        self.pace(step / time)
+        self.set_step(step / time)
         self.x = draw()
 
-    def pace(self, a: float) -> None:
+    def set_step(self, a: float) -> None:
         """Let a step be ``a`` time constants from now on."""
         self._keep = math.exp(-a)
         self._kick = math.sqrt(-math.expm1(-2.0 * a))
@@ -69,11 +69,11 @@ class SecondOrder:
 
     def __init__(self, draw: Draw, step: float, time: float) -> None:
         self._draw = draw
-        self.pace(step / time)
+        self.set_step(step / time)
         self.x = draw()
         self.y = 0.5 * self.x + 0.5 * draw()
 
-    def pace(self, a: float) -> None:
+    def set_step(self, a: float) -> None:
         """Let a step be ``a`` time constants from now on."""
         keep = math.exp(-a)
         square = keep * keep

@@ -26,20 +26,16 @@ STILL: Vec3 = (0.0, 0.0, 0.0)
 
 
 class Truth(NamedTuple):
-    """The true state at one moment.
+    """The true state at one moment."""
 
-    ``t_boot`` s, ``p_n`` m, ``v_n`` m/s, ``a_n`` the mean acceleration over the last step in m/s^2, ``q_nb`` body to
-    world, ``w_b`` rad/s, ``rotor_thrusts`` N in motor order, ``on_ground`` whether it rests on the ground.
-    """
-
-    t_boot: float
-    p_n: Vec3
-    v_n: Vec3
-    a_n: Vec3
-    q_nb: Quaternion
-    w_b: Vec3
-    rotor_thrusts: Four
-    on_ground: bool
+    t_boot: float  # s
+    p_n: Vec3  # m
+    v_n: Vec3  # m/s
+    a_n: Vec3  # m/s^2, the mean over the last step
+    q_nb: Quaternion  # body to world
+    w_b: Vec3  # rad/s
+    rotor_thrusts: Four  # N, in motor order
+    on_ground: bool  # whether it rests on the ground
 
     @property
     def thrust(self) -> float:

@@ -29,20 +29,16 @@ Rates. Gravity is among what accelerates."""
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """What the equations need to know of a machine.
+    """What the equations need to know of a machine."""
 
-    ``mass`` kg, ``inertia`` the diagonal of J in kg m^2, ``gravity`` m/s^2, ``drag`` 1/s, ``angular_drag`` N m s,
-    ``torques_per_newton`` one vector (m, FRD) a rotor, ``rotor_drag`` 1/s, ``quadratic_drag`` 1/m.
-    """
-
-    mass: float
-    inertia: Vec3
-    gravity: float
-    drag: float
-    angular_drag: float
-    torques_per_newton: tuple[Vec3, Vec3, Vec3, Vec3]
-    rotor_drag: float = 0.0
-    quadratic_drag: float = 0.0
+    mass: float  # kg
+    inertia: Vec3  # kg m^2, the diagonal of J
+    gravity: float  # m/s^2
+    drag: float  # 1/s
+    angular_drag: float  # N m s
+    torques_per_newton: tuple[Vec3, Vec3, Vec3, Vec3]  # m, FRD, one a rotor
+    rotor_drag: float = 0.0  # 1/s
+    quadratic_drag: float = 0.0  # 1/m
 
 
 def true_vehicle(vehicle: Vehicle, truth: Deviations) -> Vehicle:

@@ -18,7 +18,7 @@ from companion.library.outcome import Ended, reason_of
 from companion.library.simulation import SimulatedFlight, in_memory
 from companion.mission import Mission
 from companion.plan import law_level
-from companion.record.circumstances import Simulated
+from companion.record.circumstances import SimulatedWorld
 from companion.record.folder import Source
 from companion.record.series import followed_series, true_series
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle
@@ -145,7 +145,7 @@ def flown(report: Report, level: OutputLevel, settle: float = SETTLE, laps: floa
         vehicle = dataclasses.replace(vehicle, motors=MotorInterface.DIRECT)
     sortie = Sortie(dataclasses.replace(report.mission, laps=None), vehicle, level, UNWRITTEN, UNWRITTEN)
     duration = settle + laps * report.duration
-    ideal = Simulated(World(), "ideal", "", 0)
+    ideal = SimulatedWorld(World(), "ideal", "", 0)
     went, ticks, truth = in_memory(SimulatedFlight(sortie, ideal, False, duration, lean=True))
     assert went.failure is None, went.failure.trace
     plan = went.conductor.plan

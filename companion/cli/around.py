@@ -14,12 +14,12 @@ from companion.daemon.loop import NoVehicleError, clock
 from companion.daemon.signals import Signals
 from companion.daemon.vehicle_words import describe_vehicle
 from companion.library.orders import Sortie
-from companion.record.circumstances import Simulated
+from companion.record.circumstances import SimulatedWorld
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
 
 
-def begin_record(directory: Path, sortie: Sortie, epoch: float, simulated: Simulated | None = None) -> Recorder:
+def begin_record(directory: Path, sortie: Sortie, epoch: float, simulated: SimulatedWorld | None = None) -> Recorder:
     """The record of a flight that begins, and what is to be said of it. ConfigError: the folder cannot be one."""
     recorder = Recorder(directory, sortie.mission_source, sortie.vehicle_source, epoch, simulated)
     while recorder.words:

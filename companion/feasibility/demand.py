@@ -22,20 +22,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Demand:
-    """At n places: ``thrust`` N, ``tilt`` rad, ``rates`` rad/s (3, n), ``torques`` N m (3, n), ``motors`` as shares of
-    each rotor's command range (4, n), ``yaw_rate`` rad/s and ``yaw_acceleration`` rad/s^2 of the heading,
-    ``acceleration`` m/s^2 (the paper's V-dot), ``along`` m/s^2 (its part along the path), ``speed`` m/s."""
+    """What flying asks for, at n places."""
 
-    thrust: Array
-    tilt: Array
-    rates: Array
-    torques: Array
-    motors: Array
-    yaw_rate: Array
-    yaw_acceleration: Array
-    acceleration: Array
-    along: Array
-    speed: Array
+    thrust: Array  # N
+    tilt: Array  # rad
+    rates: Array  # rad/s (3, n), body
+    torques: Array  # N m (3, n), body
+    motors: Array  # shares of each rotor's command range (4, n)
+    yaw_rate: Array  # rad/s, of the heading
+    yaw_acceleration: Array  # rad/s^2, of the heading
+    acceleration: Array  # m/s^2, the paper's V-dot
+    along: Array  # m/s^2, its part along the path
+    speed: Array  # m/s
 
 
 def compute_demand(stations: Stations, vehicle: Vehicle, scale: float = 1.0) -> Demand:

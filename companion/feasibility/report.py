@@ -39,29 +39,21 @@ ACCURACY = 0.03
 
 @dataclass(frozen=True)
 class Report:
-    """What ``check`` says.
+    """What ``check`` says."""
 
-    ``mission``: as it would be flown, its speed known; ``auto``: whether it was left to the vehicle. ``limits``: those
-    of the contract, in its order; ``others``: more of the same kind. ``length`` m, ``duration`` s: once along the path,
-    with the start and the stop where it is open.
-    ``speed_scale_max``: the largest factor on the whole speed that keeps every limit, 0 where none does; ``at_most``:
-    the limit that is met there. ``max_vdot``: m/s^2, of Remark 4.3. ``asked``, ``at``: the demand and the places it was
-    looked at. ``ground``: m, down in the vehicle's local frame.
-    """
-
-    mission: Mission
+    mission: Mission  # as it would be flown, its speed known
     vehicle: Vehicle
-    auto: bool
-    limits: tuple[Limit, ...]
-    others: tuple[Limit, ...]
-    length: float
-    duration: float
-    speed_scale_max: float
-    at_most: Limit
-    max_vdot: float
-    at: Stations
-    asked: Demand
-    ground: float
+    auto: bool  # whether its speed was left to the vehicle
+    limits: tuple[Limit, ...]  # those of the contract, in its order
+    others: tuple[Limit, ...]  # more of the same kind
+    length: float  # m
+    duration: float  # s once along the path, with the start and the stop where it is open
+    speed_scale_max: float  # the largest factor on the whole speed that keeps every limit; 0 where none does
+    at_most: Limit  # the limit that is met there
+    max_vdot: float  # m/s^2, of Remark 4.3
+    at: Stations  # the places that were looked at
+    asked: Demand  # the demand there
+    ground: float  # m, down in the vehicle's local frame
 
     @property
     def deciding(self) -> tuple[Limit, ...]:

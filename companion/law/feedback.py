@@ -43,7 +43,7 @@ def clamped(value: Scalar, limit: float) -> Scalar:
 
 
 @dataclass(frozen=True, slots=True)
-class Wanted:
+class WantedDerivatives:
     """``derivative``: the snap (motors) or jerk (rates) that gives the errors their linear dynamics.
 
     ``missing``: m/s^2, what the acceleration lacks of the one the errors ask for: -(k_0 e + k_1 e')/k_2 - e'' for h1
@@ -67,7 +67,7 @@ def lacking(gains: Sequence[float], errors: Sequence[Scalar], order: int) -> Sca
     return linear(gains[: order + 1], errors[: order + 1]) / gains[order]
 
 
-def wanted_derivative(known: Outputs, level: Level, gains: Gains, bounds: Bounds | None) -> Wanted:
+def wanted_derivative(known: Outputs, level: Level, gains: Gains, bounds: Bounds | None) -> WantedDerivatives:
     """The snap (motors) or jerk (rates) that gives h1, h2, h3 their linear dynamics: the 3x3 solve
 
         [grad h1; grad h2; mu] S = v - drift
@@ -90,10 +90,12 @@ def wanted_derivative(known: Outputs, level: Level, gains: Gains, bounds: Bounds
     v2 = linear(gains.h2, errors2) - known.h2.derivative(n1)
     v3 = linear(gains.h3, errors3) - known.h3.derivative(n3)
     a1, a2, a3 = lacking(gains.h1, errors1, 2), lacking(gains.h2, errors2, 2), lacking(gains.h3, errors3, 1)
-    return Wanted(mu * v3 + across1 * v1 + across2 * v2, mu * a3 + across1 * a1 + across2 * a2)
+    return WantedDerivatives(mu * v3 + across1 * v1 + across2 * v2, mu * a3 + across1 * a1 + across2 * a2)
 
 
-def wanted_on_curve(seen: Closest, alpha: Taylor, level: Level, gains: Gains, bounds: Bounds | None) -> Wanted:
+def wanted_on_curve(
+    seen: Closest, alpha: Taylor, level: Level, gains: Gains, bounds: Bounds | None
+) -> WantedDerivatives:
     """The same from the transverse error and the speed error. ``alpha``: the wanted speed as a series in time."""
     _, _, n3, _ = level.degrees
     T = seen.T[0]
@@ -106,7 +108,7 @@ def wanted_on_curve(seen: Closest, alpha: Taylor, level: Level, gains: Gains, bo
     normal = linear_across(gains.h1, across) - seen.cross
     tangential = linear(gains.h3, used3) + alpha.derivative(n3) - seen.along
     missing = linear_across(gains.h1[:3], across[:3]) / gains.h1[2] + T * lacking(gains.h3, used3, 1)
-    return Wanted(projected(T, normal) + T * tangential, missing)
+    return WantedDerivatives(projected(T, normal) + T * tangential, missing)
 
 
 def linear_across(gains: Sequence[float], errors: Sequence[Vector]) -> Vector:

@@ -44,46 +44,37 @@ it."""
 
 
 class Flying(NamedTuple):
-    """The state the law is evaluated at.
+    """The state the law is evaluated at. At the level of rates ``w_b`` and ``zeta_dot`` are not used."""
 
-    Position m, velocity m/s and ``r_nb`` in the world frame, body rates rad/s. ``zeta`` N and ``zeta_dot`` N/s: the
-    dynamic extension (Eq. 4). ``disturbance`` m/s^2 (world) and ``drag`` 1/s: what is known beyond the paper's model.
-    ``s``: arc length near the closest point. ``pole_scale``: factor on the path poles. At the level of rates ``w_b``
-    and ``zeta_dot`` are not used.
-    """
-
-    p_n: Vec3
-    v_n: Vec3
-    r_nb: Matrix3
-    zeta: float
-    w_b: Vec3 = ZERO3
-    zeta_dot: float = 0.0
-    disturbance: Vec3 = ZERO3
-    drag: float = 0.0
-    s: float = 0.0
-    pole_scale: float = 1.0
+    p_n: Vec3  # m
+    v_n: Vec3  # m/s
+    r_nb: Matrix3  # body to world
+    zeta: float  # N, the dynamic extension (Eq. 4)
+    w_b: Vec3 = ZERO3  # rad/s
+    zeta_dot: float = 0.0  # N/s
+    disturbance: Vec3 = ZERO3  # m/s^2, world, beyond the paper's model
+    drag: float = 0.0  # 1/s, likewise
+    s: float = 0.0  # m, arc length near the closest point
+    pole_scale: float = 1.0  # factor on the path poles
 
 
 class Command(NamedTuple):
     """What the law asks for at one state.
 
-    ``zeta_derivative``: zeta_ddot (motors) or zeta_dot (rates). ``turn``: torques in N m (motors) or body rates in
-    rad/s (rates). ``tangent``: mu, in the world frame. ``speed``: mu . V; ``alpha``: the mission's speed here. ``yaw``:
-    psi and ``beta`` in rad. ``regularity``: 0 where the law is singular: the sine of the angle between the gradients,
-    or on a curve Q, 1 on it and 0 on its evolute. ``aligned``: the cosine of the angle between the thrust axis and the
-    one that the errors ask for. ``end_scale``: on alpha, which falls to 0 towards the open end of a path.
+    ``regularity`` is 0 where the law is singular: the sine of the angle between the gradients, or on a curve Q, 1 on it
+    and 0 on its evolute.
     """
 
-    zeta_derivative: float
-    turn: Vec3
-    tangent: Vec3
-    speed: float
-    alpha: float
-    yaw: float
-    beta: float
-    regularity: float
-    aligned: float = 1.0
-    end_scale: float = 1.0
+    zeta_derivative: float  # zeta_ddot, N/s^2 (motors), or zeta_dot, N/s (rates)
+    turn: Vec3  # torques, N m (motors), or body rates, rad/s (rates)
+    tangent: Vec3  # mu, world frame
+    speed: float  # m/s, mu . V
+    alpha: float  # m/s, the mission's speed here
+    yaw: float  # rad, psi
+    beta: float  # rad, the mission's heading here
+    regularity: float  # 0 singular .. 1
+    aligned: float = 1.0  # cosine of the angle between the thrust axis and the one that the errors ask for
+    end_scale: float = 1.0  # on alpha; falls to 0 towards the open end of a path
 
 
 class Law(Protocol):

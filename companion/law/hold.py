@@ -18,7 +18,7 @@ from companion.calculus.taylor import Taylor
 from companion.calculus.vectors import Vector
 from companion.frames import Heading, Vec3
 from companion.law.errors import LawError
-from companion.law.feedback import Bounds, Wanted
+from companion.law.feedback import Bounds, WantedDerivatives
 from companion.law.flight import Command, Flying, place
 from companion.law.gains import Gains, Level
 from companion.law.motion import Model
@@ -67,7 +67,7 @@ def hold_law(
     derivative = errors - jerk[0] * rest[0] if jerk else errors
     beta = Taylor((yaw, 0.0, 0.0))
     reported: tuple[Scalar, ...] = (0.0, 0.0, 0.0, 0.0, 0.0)
-    wanted = Wanted(derivative, errors / k2)
+    wanted = WantedDerivatives(derivative, errors / k2)
     return HoldLaw(finish_step(tape, level, model, motion, gains, bounds, wanted, reported, beta, kind, 1.0))
 
 

@@ -20,20 +20,16 @@ class Model:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """The extended state chi, world frame but for the body rates ``w``.
+    """The extended state chi, in the world frame but for the body rates. At the level of rates ``w`` and ``zeta_dot``
+    are inputs and not used."""
 
-    ``X`` m, ``V`` m/s, ``R`` R_nb, ``w`` rad/s, ``zeta`` N (thrust along -R e3), ``zeta_dot`` N/s, ``disturbance``
-    m/s^2 (an acceleration beyond the model, world frame). At the level of rates ``w`` and ``zeta_dot`` are inputs and
-    not used.
-    """
-
-    X: Vector
-    V: Vector
-    R: Rotation
-    w: Vector
-    zeta: Scalar
-    zeta_dot: Scalar
-    disturbance: Vector
+    X: Vector  # m
+    V: Vector  # m/s
+    R: Rotation  # R_nb
+    w: Vector  # rad/s, body
+    zeta: Scalar  # N, thrust along -R e3
+    zeta_dot: Scalar  # N/s
+    disturbance: Vector  # m/s^2, an acceleration beyond the model
 
 
 def acceleration(model: Model, motion: Motion) -> Vector:

@@ -9,7 +9,7 @@ from companion.calculus.vectors import Rotation, Vector
 from companion.frames import Heading
 from companion.law.feedback import (
     Bounds,
-    Wanted,
+    WantedDerivatives,
     clamped,
     wanted_heading_acceleration,
     wanted_heading_rate,
@@ -50,7 +50,7 @@ def known_motion(level: Level, model: Model, motion: Motion) -> tuple[Vector, ..
 
 def finish_step(
     tape: Tape, level: Level, model: Model, motion: Motion, gains: Gains, bounds: Bounds | None,
-    wanted: Wanted, reported: tuple[Scalar, ...], beta: Taylor, kind: Heading, regularity: Scalar,
+    wanted: WantedDerivatives, reported: tuple[Scalar, ...], beta: Taylor, kind: Heading, regularity: Scalar,
 ) -> Function:  # fmt: skip
     """From the wanted derivative of the position to thrust and turning, by flatness; and what the flight reports."""
     psi, rate = heading(motion.R, kind), HeadingRate(motion.R, kind)

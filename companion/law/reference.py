@@ -20,21 +20,20 @@ from companion.law.motion import Model, Motion
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A point of the manifold. ``X`` m and its derivatives ``V``, ``A``, ``J``, ``S``; ``R``; ``w`` rad/s; ``zeta`` N,
-    ``zeta_dot`` N/s; the inputs there: ``zeta_ddot`` N/s^2 and ``torque`` N m; ``psi`` rad."""
+    """A point of the path following manifold, in the paper's letters; world frame but for ``w`` and ``torque``."""
 
-    X: Vector
-    V: Vector
-    A: Vector
-    J: Vector
-    S: Vector
-    R: Rotation
-    w: Vector
-    zeta: Scalar
-    zeta_dot: Scalar
-    zeta_ddot: Scalar
-    torque: Vector
-    psi: Scalar
+    X: Vector  # m
+    V: Vector  # m/s
+    A: Vector  # m/s^2
+    J: Vector  # m/s^3
+    S: Vector  # m/s^4
+    R: Rotation  # R_nb
+    w: Vector  # rad/s, body
+    zeta: Scalar  # N
+    zeta_dot: Scalar  # N/s
+    zeta_ddot: Scalar  # N/s^2, the input there
+    torque: Vector  # N m, body, the input there
+    psi: Scalar  # rad
 
 
 def flow(specification: Specification, X: Vector, order: int) -> tuple[Taylor, Taylor, Taylor]:

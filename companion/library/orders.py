@@ -21,7 +21,7 @@ from companion.law.gains import Level
 from companion.library.output import Output
 from companion.mission import Mission
 from companion.plan import law_level
-from companion.record.circumstances import Simulated
+from companion.record.circumstances import SimulatedWorld
 from companion.record.folder import Source
 from companion.record.place import refuse_used
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle
@@ -152,18 +152,18 @@ def given_home(option: str | None, world: World | None = None) -> GivenHome:
     return NO_HOME_GIVEN if world is None or world.home == Home() else GivenHome(altitude=world.home.altitude)
 
 
-def read_world(name: str, seed: int, home: str | None = None) -> Simulated:
+def read_world(name: str, seed: int, home: str | None = None) -> SimulatedWorld:
     """The world of a command line, with its file as it is; its home where ``--home`` says. ConfigError with every
     fault."""
     return simulated_from(source_of(name, "worlds"), seed, home)
 
 
-def simulated_from(source: Source, seed: int, home: str | None = None) -> Simulated:
+def simulated_from(source: Source, seed: int, home: str | None = None) -> SimulatedWorld:
     """See ``read_world``."""
     world = world_from(document_of(source))
     if home is not None:
         world = dataclasses.replace(world, home=home_from(home, "--home"))
-    return Simulated(world, source.name, source.text, seed)
+    return SimulatedWorld(world, source.name, source.text, seed)
 
 
 def output_level(output: Output, vehicle: Vehicle) -> OutputLevel:

@@ -18,7 +18,7 @@ from companion.library.lockstep import fly
 from companion.library.orders import Sortie
 from companion.mission import GlobalOrigin, Mission, Origin
 from companion.places.origins import VehicleLocation, placed
-from companion.record.circumstances import Simulated
+from companion.record.circumstances import SimulatedWorld
 from companion.record.folder import Recorder
 from companion.record.table import Table
 from companion.record.ticks import Ticks
@@ -46,7 +46,7 @@ class SimulatedFlight:
     what a companion looks at, a third of what PX4 streams."""
 
     sortie: Sortie
-    simulated: Simulated
+    simulated: SimulatedWorld
     from_ground: bool
     duration: float | None
     xrce: bool = field(default=False, kw_only=True)

@@ -41,7 +41,7 @@ Stream = tuple[int, int, int]
 
 
 @dataclass(slots=True)
-class Refused:
+class RefusedFrames:
     """Frames that had no effect: without a signature, with a wrong one, with an old stamp."""
 
     unsigned: int = 0
@@ -69,7 +69,7 @@ class Signing:
     streams: dict[Stream, int] = field(default_factory=dict)
     unsigned_accepted: frozenset[int] = UNSIGNED_ACCEPTED
     epoch: float = 0.0
-    refused: Refused = field(default_factory=Refused)
+    refused: RefusedFrames = field(default_factory=RefusedFrames)
     _begun: Any = field(init=False, repr=False)  # hashlib names no type for its objects
 
     def __post_init__(self) -> None:

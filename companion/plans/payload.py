@@ -57,18 +57,18 @@ class PayloadCommand(NamedTuple):
     number: int
 
 
-class Placed(NamedTuple):
+class PlacedCommand(NamedTuple):
     """A command and the arc length (m) at which it is sent."""
 
     s: float
     command: PayloadCommand
 
 
-def placed_along(stops: list[tuple[float, tuple[PayloadCommand, ...]]], length: float) -> list[Placed]:
+def placed_along(stops: list[tuple[float, tuple[PayloadCommand, ...]]], length: float) -> list[PlacedCommand]:
     """The commands in the order of the path. ``stops``: arc lengths (m) of the waypoints, with what the payload does
     at each. A trigger distance becomes a picture every so many metres, until it is set to 0 or the path ends.
     ValueError: so many pictures are no survey."""
-    found: list[Placed] = []
+    found: list[PlacedCommand] = []
     trigger: tuple[float, PayloadCommand] | None = None
 
     def shoot(until: float) -> None:
@@ -81,12 +81,12 @@ def placed_along(stops: list[tuple[float, tuple[PayloadCommand, ...]]], length: 
         if count > PHOTOS_MAX:
             raise ValueError(f"takes {count} pictures from item {order.number} on; expected {PHOTOS_MAX} at most")
         photo = PayloadCommand(MAV_CMD_DO_DIGICAM_CONTROL, ONE_PHOTO, order.number)
-        found.extend(Placed(min(begin + every * i, until), photo) for i in range(first, count + 1))
+        found.extend(PlacedCommand(min(begin + every * i, until), photo) for i in range(first, count + 1))
 
     for s, commands in stops:
         for command in commands:
             if command.command != MAV_CMD_DO_SET_CAM_TRIGG_DIST:
-                found.append(Placed(s, command))
+                found.append(PlacedCommand(s, command))
                 continue
             shoot(s)
             trigger = (s, command) if command.params[0] > 0.0 else None

@@ -12,7 +12,7 @@ from companion.world.words import air_in_words, event_in_words, event_kind
 
 
 @dataclass(frozen=True)
-class Simulated:
+class SimulatedWorld:
     """The world of a simulated flight. ``file``: its name as given; ``text``: the file as it was; ``seed``: of wind,
     noise and link loss."""
 
@@ -27,7 +27,7 @@ def software_version() -> str:
     return __version__
 
 
-def simulation_document(simulated: Simulated) -> dict[str, Any]:
+def simulation_document(simulated: SimulatedWorld) -> dict[str, Any]:
     """The world for resolved.json. Times in s, counted ``after`` the plant's start, the first arming or the first
     setpoint in OFFBOARD; ``to_s`` null where it lasts for good."""
     world = simulated.world

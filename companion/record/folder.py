@@ -31,7 +31,7 @@ from typing import Any
 from companion.pilot import Memory, Observation, Outcome
 from companion.plan import Plan
 from companion.record import rows
-from companion.record.circumstances import Simulated, simulation_document
+from companion.record.circumstances import SimulatedWorld, simulation_document
 from companion.record.files import sync_directory, write_new, write_whole
 from companion.record.growing import GrowingFile
 from companion.record.place import Place
@@ -74,7 +74,7 @@ class Recorder:
     mission: Source
     vehicle: Source
     epoch: float
-    simulated: Simulated | None = None
+    simulated: SimulatedWorld | None = None
     words: deque[str] = field(default_factory=deque)
     _place: Place = field(init=False)
     _given: dict[str, str] = field(init=False)

@@ -26,7 +26,7 @@ from companion.vehicle import MotorInterface, OutputLevel, Tuning
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class RecordedFlight:
     """A flight folder, read again. ``plan``: as it was at the end; ``plans``: from which time (s) on which was flown.
     ``cuts``: in words, which of its files end before their flight did."""
 
@@ -48,7 +48,7 @@ class Recorded:
 
 
 @dataclass(frozen=True, slots=True)
-class Replayed:
+class ReplayResult:
     """``ticks`` fed, ``setpoints`` made, and the first tick whose outcome differs (None: all the same)."""
 
     ticks: int
@@ -56,7 +56,7 @@ class Replayed:
     difference: str | None
 
 
-def load_flight(directory: Path) -> Recorded:
+def load_flight(directory: Path) -> RecordedFlight:
     """The flight in a folder. ConfigError: it is not one, or lacks a part."""
     if not directory.is_dir():
         raise ConfigError([Fault(str(directory), 0, "", "no such folder; expected a flight folder")])
@@ -97,10 +97,10 @@ def load_flight(directory: Path) -> Recorded:
     plans = [(-math.inf, plan)]
     for at, changed in settings:
         plans.append((at, with_settings(plans[-1][1], changed)))
-    return Recorded(plans[-1][1], table, truth, begun_at, cuts, tuple(plans))
+    return RecordedFlight(plans[-1][1], table, truth, begun_at, cuts, tuple(plans))
 
 
-def replay(flight: Recorded) -> Replayed:
+def replay(flight: RecordedFlight) -> ReplayResult:
     """Feed what the pilot saw through the pilot again and compare what it does.
 
     ConfigError: another version recorded the flight, and some of what this one sees is not in it.
@@ -124,8 +124,8 @@ def replay(flight: Recorded) -> Replayed:
         if again[0].tobytes() != np.array([tuple(recorded[index])], dtype=rows.OUTCOME_DTYPE).tobytes():
             was, now_is = tuple(recorded[index].tolist()), tuple(again[0].tolist())
             changed = ", ".join(f"{n} {a} -> {b}" for n, a, b in zip(names, was, now_is, strict=True) if a != b)
-            return Replayed(index + 1, setpoints, f"tick {index} at {now:.3f} s: {changed}")
-    return Replayed(len(flight.table), setpoints, None)
+            return ReplayResult(index + 1, setpoints, f"tick {index} at {now:.3f} s: {changed}")
+    return ReplayResult(len(flight.table), setpoints, None)
 
 
 def _truth(path: Path) -> tuple[Table | None, str | None]:

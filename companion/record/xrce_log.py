@@ -48,7 +48,7 @@ class XrceWriter(GrowingFile):
         self.append(_HEAD.pack(round((self._epoch + now) * 1e6), to_px4, len(data)) + data)
 
 
-class Recorded(NamedTuple):
+class TimedDatagram(NamedTuple):
     """A datagram: s since 1970, whether it went to PX4, its bytes."""
 
     at: float
@@ -65,7 +65,7 @@ class XrceEvidence(NamedTuple):
     latency: tuple[float, ...]
 
 
-def records(data: bytes) -> Iterator[Recorded]:
+def records(data: bytes) -> Iterator[TimedDatagram]:
     """The datagrams of a file's bytes; the last one may be cut short."""
     at = 0
     while at + _HEAD.size <= len(data):
@@ -73,7 +73,7 @@ def records(data: bytes) -> Iterator[Recorded]:
         at += _HEAD.size
         if at + length > len(data):
             return
-        yield Recorded(stamp * 1e-6, bool(way), data[at : at + length])
+        yield TimedDatagram(stamp * 1e-6, bool(way), data[at : at + length])
         at += length
 
 

@@ -67,27 +67,21 @@ class MotorInterface(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
-    """A quadrotor as its vehicle file describes it.
-
-    ``mass`` kg, ``inertia`` the diagonal of J in kg m^2, ``gravity`` m/s^2, ``rotors`` in the autopilot's motor order,
-    ``motor_lag`` s, ``drag`` 1/s (linear drag over mass), ``hover_thrust`` normalised or None to learn it,
-    ``rate_loop_lag`` and ``link_delay`` s, ``state_rate`` Hz (how often it can stream its state), ``limits`` None where
-    the bare mathematics is wanted.
-    """
+    """A quadrotor as its vehicle file describes it."""
 
     name: str
-    mass: float
-    inertia: Vec3
-    rotors: tuple[Rotor, ...]
-    gravity: float = GRAVITY
-    motor_lag: float = 0.0
-    drag: float = 0.0
-    hover_thrust: float | None = None
-    rate_loop_lag: float = 0.06
-    link_delay: float = 0.01
-    motors: MotorInterface = MotorInterface.PX4
-    state_rate: float = 250.0
-    limits: Limits | None = field(default_factory=Limits)
+    mass: float  # kg
+    inertia: Vec3  # kg m^2, the diagonal of J
+    rotors: tuple[Rotor, ...]  # in the autopilot's motor order
+    gravity: float = GRAVITY  # m/s^2
+    motor_lag: float = 0.0  # s
+    drag: float = 0.0  # 1/s, linear, over mass
+    hover_thrust: float | None = None  # normalised; None: to be learned
+    rate_loop_lag: float = 0.06  # s
+    link_delay: float = 0.01  # s, from a state to the moment its command acts
+    motors: MotorInterface = MotorInterface.PX4  # who mixes
+    state_rate: float = 250.0  # Hz, how often it can stream its state
+    limits: Limits | None = field(default_factory=Limits)  # None where the bare mathematics is wanted
 
     @property
     def weight(self) -> float:

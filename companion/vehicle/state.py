@@ -176,37 +176,26 @@ class VehicleStatus(NamedTuple):
 
 
 class Tuning(NamedTuple):
-    """What the autopilot's own parameters say that matters to the law and to the guards; None where it did not say.
+    """What the autopilot's own parameters say that matters to the law and to the guards; None where it did not say."""
 
-    ``roll_p``, ``pitch_p``, ``yaw_p``: 1/s, attitude error to body rate (MC_ROLL_P, MC_PITCH_P, MC_YAW_P).
-    ``roll_rate_p``, ``yaw_rate_p``: s/rad, rate error to the part of the motors' range (MC_ROLLRATE_P, MC_YAWRATE_P),
-    and ``roll_rate_k``, ``yaw_rate_k`` their factor (MC_ROLLRATE_K, MC_YAWRATE_K). ``smoothing``: rad/s, of the model
-    that smooths the attitude it is sent (MC_REF_W_N; before 1.18 there is none).
-    ``hover_thrust``: normalised (MPC_THR_HOVER). ``thrust_curve``: 0 linear, 1 quadratic in the motor command
-    (THR_MDL_FAC). ``offboard_loss_time``: s until the loss of setpoints is acted on (COM_OF_LOSS_T), and
-    ``offboard_loss_action`` how (COM_OBL_RC_ACT). ``fail_roll``, ``fail_pitch``: rad at which its failure detector ends
-    the flight (FD_FAIL_R, FD_FAIL_P). ``battery_low``, ``battery_critical``: 0..1 (BAT_LOW_THR, BAT_CRIT_THR).
-    ``fence_radius``, ``fence_height``: m from home, 0 for none (GF_MAX_HOR_DIST, GF_MAX_VER_DIST).
-    """
-
-    roll_p: float | None = None
-    pitch_p: float | None = None
-    yaw_p: float | None = None
-    smoothing: float | None = None
-    hover_thrust: float | None = None
-    thrust_curve: float | None = None
-    offboard_loss_time: float | None = None
-    offboard_loss_action: int | None = None
-    fail_roll: float | None = None
-    fail_pitch: float | None = None
-    battery_low: float | None = None
-    battery_critical: float | None = None
-    fence_radius: float | None = None
-    fence_height: float | None = None
-    roll_rate_p: float | None = None
-    roll_rate_k: float | None = None
-    yaw_rate_p: float | None = None
-    yaw_rate_k: float | None = None
+    roll_p: float | None = None  # 1/s, attitude error to body rate (MC_ROLL_P)
+    pitch_p: float | None = None  # 1/s (MC_PITCH_P)
+    yaw_p: float | None = None  # 1/s (MC_YAW_P)
+    smoothing: float | None = None  # rad/s, of the model that smooths the attitude it is sent (MC_REF_W_N, since 1.18)
+    hover_thrust: float | None = None  # normalised (MPC_THR_HOVER)
+    thrust_curve: float | None = None  # 0 linear, 1 quadratic in the motor command (THR_MDL_FAC)
+    offboard_loss_time: float | None = None  # s until the loss of setpoints is acted on (COM_OF_LOSS_T)
+    offboard_loss_action: int | None = None  # how (COM_OBL_RC_ACT)
+    fail_roll: float | None = None  # rad at which its failure detector ends the flight (FD_FAIL_R)
+    fail_pitch: float | None = None  # rad (FD_FAIL_P)
+    battery_low: float | None = None  # 0..1 (BAT_LOW_THR)
+    battery_critical: float | None = None  # 0..1 (BAT_CRIT_THR)
+    fence_radius: float | None = None  # m from home, 0 for none (GF_MAX_HOR_DIST)
+    fence_height: float | None = None  # m above home, 0 for none (GF_MAX_VER_DIST)
+    roll_rate_p: float | None = None  # s/rad, rate error to the part of the motors' range (MC_ROLLRATE_P)
+    roll_rate_k: float | None = None  # factor on it (MC_ROLLRATE_K)
+    yaw_rate_p: float | None = None  # s/rad (MC_YAWRATE_P)
+    yaw_rate_k: float | None = None  # factor on it (MC_YAWRATE_K)
 
 
 class Home(NamedTuple):

@@ -23,38 +23,34 @@ class RotorDynamics:
 class Deviations:
     """The machine as it really is, where it differs from its vehicle file. None: as the file says.
 
-    ``mass`` kg, ``inertia`` kg m^2, ``motor_lag`` s, ``drag`` 1/s, ``thrust_scale`` true over stated thrust. What
-    vehicle files do not know: ``angular_drag`` N m s (torque against the body rates), ``rotor_drag`` 1/s (linear, over
-    mass, in the rotors' plane only), ``quadratic_drag`` 1/m (over mass, against the airspeed), ``thrust_curve`` the
-    part of the thrust that goes with the command's square (what THR_MDL_FAC should be), ``rate_gains`` the autopilot's
-    rate gains about roll, pitch, yaw over those it would usually have, ``rotors`` in the place of the motor lag.
+    From ``angular_drag`` on: what vehicle files do not know.
     """
 
-    mass: float | None = None
-    inertia: Vec3 | None = None
-    motor_lag: float | None = None
-    drag: float | None = None
-    thrust_scale: float = 1.0
-    angular_drag: float = 0.0
-    rotor_drag: float = 0.0
-    quadratic_drag: float = 0.0
-    thrust_curve: float = 0.0
-    rate_gains: Vec3 = (1.0, 1.0, 1.0)
-    rotors: RotorDynamics | None = None
+    mass: float | None = None  # kg
+    inertia: Vec3 | None = None  # kg m^2, the diagonal of J
+    motor_lag: float | None = None  # s
+    drag: float | None = None  # 1/s, linear, over mass
+    thrust_scale: float = 1.0  # true over stated thrust
+    angular_drag: float = 0.0  # N m s, torque against the body rates
+    rotor_drag: float = 0.0  # 1/s, linear, over mass, in the rotors' plane only
+    quadratic_drag: float = 0.0  # 1/m, over mass, against the airspeed
+    thrust_curve: float = 0.0  # the part of the thrust that goes with the command's square (what THR_MDL_FAC should be)
+    rate_gains: Vec3 = (
+        1.0,
+        1.0,
+        1.0,
+    )  # the autopilot's rate gains (roll, pitch, yaw) over the usual ones
+    rotors: RotorDynamics | None = None  # in the place of the motor lag
 
 
 @dataclass(frozen=True, slots=True)
 class Battery:
-    """A battery whose voltage falls with its charge and with the current; thrust goes with the voltage's square.
+    """A battery whose voltage falls with its charge and with the current; thrust goes with the voltage's square."""
 
-    ``capacity`` C, ``resistance`` ohm, ``full_current`` A at full thrust of all rotors (it goes with thrust to the
-    power of 1.5), ``idle_current`` A, ``charge`` 1 full, ``full`` and ``empty`` V at no current.
-    """
-
-    capacity: float
-    resistance: float
-    full_current: float
-    idle_current: float = 0.5
-    charge: float = 1.0
-    full: float = 16.2
-    empty: float = 14.4
+    capacity: float  # C
+    resistance: float  # ohm
+    full_current: float  # A at full thrust of all rotors; it goes with thrust to the power of 1.5
+    idle_current: float = 0.5  # A
+    charge: float = 1.0  # 1 full
+    full: float = 16.2  # V at no current
+    empty: float = 14.4  # V at no current

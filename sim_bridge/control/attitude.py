@@ -19,14 +19,14 @@ SMOOTHING = 50.0  # rad/s, MC_REF_W_N
 RATE_MAX: Vec3 = (math.radians(220.0), math.radians(220.0), math.radians(200.0))  # MC_*RATE_MAX
 
 
-class Smoothed(NamedTuple):
+class AttitudeReference(NamedTuple):
     """The model that is followed: its attitude, and the body rates (rad/s) at which it nears what is wanted."""
 
     q_nb: Quaternion
     nearing: Vec3 = (0.0, 0.0, 0.0)
 
 
-def smooth_attitude(model: Smoothed, wanted: Quaternion, heading_rate: float, dt: float) -> Smoothed:
+def smooth_attitude(model: AttitudeReference, wanted: Quaternion, heading_rate: float, dt: float) -> AttitudeReference:
     """``model`` after ``dt`` s of nearing ``wanted``; a turn about world down (rad/s) it makes without being late."""
     w, *error = multiply(conjugate(model.q_nb), wanted)
     down = _down(model.q_nb)
@@ -41,7 +41,7 @@ def smooth_attitude(model: Smoothed, wanted: Quaternion, heading_rate: float, dt
     if abs(heading_rate) > 1e-7:  # who turns steadily wants a heading that the vehicle's own follows
         about_down = p * down[0] + q * down[1] + r * down[2]
         p, q, r = p - about_down * down[0], q - about_down * down[1], r - about_down * down[2]
-    return Smoothed(normalised(multiply(model.q_nb, from_rotation_vector((x, y, z)))), (p, q, r))
+    return AttitudeReference(normalised(multiply(model.q_nb, from_rotation_vector((x, y, z)))), (p, q, r))
 
 
 def _down(q_nb: Quaternion) -> Vec3:

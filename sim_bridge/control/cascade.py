@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from companion.frames import Quaternion, Vec3, conjugate, multiply
 from companion.vehicle import Vehicle
-from sim_bridge.control.attitude import Smoothed, rates_for, smooth_attitude
+from sim_bridge.control.attitude import AttitudeReference, rates_for, smooth_attitude
 from sim_bridge.control.mixing import Mixer
 from sim_bridge.control.position import PositionLoop, Target
 from sim_bridge.control.rates import RateLoop, RatesWanted, gains_for
@@ -39,7 +39,7 @@ class Cascade:
         self.thrust = 0.0
         self.rates_wanted: RatesWanted = (0.0, 0.0, 0.0)
         self.attitude_wanted: Quaternion = (1.0, 0.0, 0.0, 0.0)
-        self._smoothed = Smoothed(self.attitude_wanted)
+        self._smoothed = AttitudeReference(self.attitude_wanted)
         self._smoothed_at: int | None = None
         self.commands: Four = STOPPED
         self._by_hand = False
@@ -115,7 +115,7 @@ class Cascade:
     def _smooth(self, attitude: Quaternion, heading_rate: float, time_us: int) -> None:
         self.attitude_wanted = attitude
         if self._smoothed_at is None or time_us <= self._smoothed_at:
-            self._smoothed = Smoothed(attitude)
+            self._smoothed = AttitudeReference(attitude)
         else:
             self._smoothed = smooth_attitude(
                 self._smoothed, attitude, heading_rate, 1e-6 * (time_us - self._smoothed_at)

@@ -63,20 +63,20 @@ class Mixer:
             b0, b1, b2, b3 = a0 + y0 * n, a1 + y1 * n, a2 + y2 * n, a3 + y3 * n
             if low0 <= b0 <= 1.0 and low1 <= b1 <= 1.0 and low2 <= b2 <= 1.0 and low3 <= b3 <= 1.0:
                 return (k0 * b0, k1 * b1, k2 * b2, k3 * b3), (0.0, 0.0, 0.0)
-        (b0, b1, b2, b3), lost = self._desaturated((a0, a1, a2, a3), torque)
+        (b0, b1, b2, b3), lost = self._mix_airmode_disabled((a0, a1, a2, a3), torque)
         return (k0 * b0, k1 * b1, k2 * b2, k3 * b3), lost
 
-    def _desaturated(self, motors: Four, torque: Vec3) -> tuple[Four, Vec3]:
+    def _mix_airmode_disabled(self, motors: Four, torque: Vec3) -> tuple[Four, Vec3]:
         """PX4's mixAirmodeDisabled, from the motors without yaw to the motors with as much yaw as is left."""
         low, high = self._low, (1.0, 1.0, 1.0, 1.0)
         down = _four(-t for t in self._thrust)
-        motors = _relieved(motors, down, low, high, only_along=True)
-        motors = _relieved(motors, self._roll, low, high)
-        motors = _relieved(motors, self._pitch, low, high)
+        motors = _desaturate(motors, down, low, high, increase_only=True)
+        motors = _desaturate(motors, self._roll, low, high)
+        motors = _desaturate(motors, self._pitch, low, high)
         motors = _four(a + y * torque[2] for a, y in zip(motors, self._yaw, strict=True))
         wider = _four(1.0 + YAW_MARGIN * (1.0 - bottom) for bottom in low)
-        motors = _relieved(motors, self._yaw, low, wider)
-        motors = _relieved(motors, down, low, high, only_along=True)
+        motors = _desaturate(motors, self._yaw, low, wider)
+        motors = _desaturate(motors, down, low, high, increase_only=True)
         motors = _four(max(bottom, min(1.0, a)) for a, bottom in zip(motors, low, strict=True))
         roll, pitch, yaw = (
             wanted - sum(b * a for b, a in zip(row, motors, strict=True))
@@ -101,7 +101,7 @@ def _scale_of_a_tilting_axis(column: NDArray[Any]) -> float:
     return float(np.sqrt(column @ column / (taking_part / 2.0)))
 
 
-def _gain(motors: Four, along: Four, low: Four, high: Four) -> float:
+def _desaturation_gain(motors: Four, along: Four, low: Four, high: Four) -> float:
     """How far to go ``along`` to bring the motors that are out of range closest to it, from both sides."""
     least = most = 0.0
     for motor, step, bottom, top in zip(motors, along, low, high, strict=True):
@@ -117,11 +117,13 @@ def _gain(motors: Four, along: Four, low: Four, high: Four) -> float:
     return least + most
 
 
-def _relieved(motors: Four, along: Four, low: Four, high: Four, only_along: bool = False) -> Four:
-    """Motors moved ``along`` a direction to relieve saturation; ``only_along``: never against it."""
-    gain = _gain(motors, along, low, high)
-    if only_along and gain < 0.0:
+def _desaturate(motors: Four, along: Four, low: Four, high: Four, increase_only: bool = False) -> Four:
+    """Motors moved ``along`` a direction to relieve saturation; ``increase_only``: never against it."""
+    gain = _desaturation_gain(motors, along, low, high)
+    if increase_only and gain < 0.0:
         return motors
     a, b, c, d = (motor + gain * step for motor, step in zip(motors, along, strict=True))
-    half = 0.5 * _gain((a, b, c, d), along, low, high)  # the second, halved pass balances what the first overdid
+    half = 0.5 * _desaturation_gain(
+        (a, b, c, d), along, low, high
+    )  # the second, halved pass balances what the first overdid
     return (a + half * along[0], b + half * along[1], c + half * along[2], d + half * along[3])

@@ -7,7 +7,7 @@ import pytest
 from companion.library.orders import read_sortie
 from companion.library.output import Output
 from companion.library.simulation import DEFAULT_DURATION, SimulatedFlight, orders_of
-from companion.record.circumstances import Simulated
+from companion.record.circumstances import SimulatedWorld
 from companion.world import World
 
 
@@ -18,5 +18,5 @@ from companion.world import World
 )
 def test_a_flight_without_an_end_of_its_own_is_given_one(mission: str, duration: float | None) -> None:
     sortie = read_sortie(mission, None, Output.RATES, direct=True)
-    flight = SimulatedFlight(sortie, Simulated(World(), "ideal", "", 0), from_ground=False, duration=None)
+    flight = SimulatedFlight(sortie, SimulatedWorld(World(), "ideal", "", 0), from_ground=False, duration=None)
     assert orders_of(flight).duration == duration

@@ -9,7 +9,7 @@ from pymavlink.dialects.v20 import development as pymavlink
 
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import BY_NAME, FORMATS
-from companion.mavlink.signing import BEHIND_MAX, EPOCH, STREAMS_MAX, TICK, Refused, Signing
+from companion.mavlink.signing import BEHIND_MAX, EPOCH, STREAMS_MAX, TICK, RefusedFrames, Signing
 from tests.mavlink.test_codec import pymavlink_frame, random_values
 
 KEY = bytes(range(7, 39))
@@ -66,7 +66,7 @@ def test_signs_as_pymavlink_does_byte_for_byte_and_each_accepts_the_other(seed: 
         assert found.raw == frame
         assert fmt.pack(*found.values) == fmt.pack(*values)
     assert decoder.signing is not None
-    assert decoder.signing.refused == Refused()
+    assert decoder.signing.refused == RefusedFrames()
     assert decoder.signing.stamp == ours.stamp  # the later clock is followed
 
 
@@ -91,7 +91,7 @@ def test_unsigned_forged_and_replayed_frames_have_no_effect_and_are_counted() ->
     assert (signing.refused.unsigned, signing.refused.forged) == (2, 1)
     assert [found.raw for found in decoder.datagram(good)] == [good]
     assert decoder.datagram(good) == []
-    assert signing.refused == Refused(unsigned=2, forged=1, replayed=1)
+    assert signing.refused == RefusedFrames(unsigned=2, forged=1, replayed=1)
     for at in range(len(good) - 13, len(good)):  # the link, the stamp, the digest: nothing can be changed
         assert decoder.datagram(good[:at] + bytes([good[at] ^ 1]) + good[at + 1 :]) == []
     assert signing.refused.forged == 1 + 13

@@ -24,7 +24,15 @@ from companion.frames import (
 from companion.vehicle import Rotor, Spin, Vehicle
 from companion.world import Home
 from sim_bridge.autopilot.parameters import of
-from sim_bridge.control.attitude import GAINS, RATE_MAX, SMOOTHING, YAW_WEIGHT, Smoothed, rates_for, smooth_attitude
+from sim_bridge.control.attitude import (
+    GAINS,
+    RATE_MAX,
+    SMOOTHING,
+    YAW_WEIGHT,
+    AttitudeReference,
+    rates_for,
+    smooth_attitude,
+)
 from sim_bridge.control.filters import ButterworthLowPass, LowPass
 from sim_bridge.control.mixing import Mixer
 from sim_bridge.control.position import THRUST_MIN, TILT_MAX, PositionLoop, Target
@@ -218,20 +226,20 @@ def test_attitude_control_at_rest_and_signs() -> None:
 
 def test_a_wanted_attitude_is_smoothed_by_a_critically_damped_model() -> None:
     wanted = from_rotation_vector((0.0, 0.1, 0.0))
-    model = Smoothed((1.0, 0.0, 0.0, 0.0))
+    model = AttitudeReference((1.0, 0.0, 0.0, 0.0))
     for step in range(1, 60):
         model = smooth_attitude(model, wanted, 0.0, 0.004)
         reached = 2.0 * math.asin(model.q_nb[2])
         t = 0.004 * step * SMOOTHING
         assert reached == pytest.approx(0.1 * (1.0 - (1.0 + t) * math.exp(-t)), abs=2e-4)
     # one long step is as many short ones
-    assert smooth_attitude(Smoothed((1.0, 0.0, 0.0, 0.0)), wanted, 0.0, 0.236).q_nb == pytest.approx(
+    assert smooth_attitude(AttitudeReference((1.0, 0.0, 0.0, 0.0)), wanted, 0.0, 0.236).q_nb == pytest.approx(
         model.q_nb, abs=2e-4
     )
 
 
 def test_a_turning_attitude_comes_out_late_and_a_told_turn_does_not() -> None:
-    late, known_rate = Smoothed((1.0, 0.0, 0.0, 0.0)), Smoothed((1.0, 0.0, 0.0, 0.0))
+    late, known_rate = AttitudeReference((1.0, 0.0, 0.0, 0.0)), AttitudeReference((1.0, 0.0, 0.0, 0.0))
     for step in range(1, 126):
         wanted = from_rotation_vector((0.0, 0.0, 0.004 * step))  # 1 rad/s
         late, known_rate = smooth_attitude(late, wanted, 0.0, 0.004), smooth_attitude(known_rate, wanted, 1.0, 0.004)

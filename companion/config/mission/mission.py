@@ -29,7 +29,7 @@ from companion.config.mission.profile_keys import (
 )
 from companion.config.mission.profiles import Profiles, constant_in_degrees, known_names
 from companion.config.plan.source import is_plan, mission_text, parsed, read_plan
-from companion.config.plan.to_mission import Planned
+from companion.config.plan.to_mission import PlannedPath
 from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault, Key
 from companion.config.syntax.file_lookup import find, read
@@ -188,7 +188,7 @@ class _Reader:
     ) -> None:  # fmt: skip
         self._document, self._model, self._origin, self._beside, self._given = document, model, origin, beside, given
         self._placement = Placement(turn=math.radians(model.rotate_deg), enu=model.frame == "enu")
-        self._plan: Planned | None = None
+        self._plan: PlannedPath | None = None
         self.faults: list[Fault] = []
 
     def mission(self, level: Level | None, *, check: bool, simulated: bool = False) -> Mission | None:

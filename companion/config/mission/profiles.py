@@ -11,7 +11,7 @@ from companion.config.mission import profile_keys as keys
 from companion.config.mission.curves import triple
 from companion.config.mission.path_keys import ExpressionModel, ImplicitModel, PathModel
 from companion.config.mission.profile_keys import SpeedModel, YawModel
-from companion.config.plan.to_mission import Planned
+from companion.config.plan.to_mission import PlannedPath
 from companion.config.syntax.document import Document
 from companion.config.syntax.faults import Fault
 from companion.config.syntax.units import not_radians
@@ -55,7 +55,7 @@ class Profiles:
     """Reads the speed and the yaw of one file for its path; what is wrong goes into ``faults``."""
 
     def __init__(
-        self, document: Document, model: PathModel, path: Path, faults: list[Fault], plan: Planned | None = None
+        self, document: Document, model: PathModel, path: Path, faults: list[Fault], plan: PlannedPath | None = None
     ) -> None:
         self._document = document
         self._plan = plan

@@ -9,7 +9,7 @@ from pathlib import Path
 from companion.config.mission.path_keys import PlanModel
 from companion.config.plan.polygons import is_polygon
 from companion.config.plan.qgroundcontrol import plan_from
-from companion.config.plan.to_mission import Planned, prepare_plan
+from companion.config.plan.to_mission import PlannedPath, prepare_plan
 from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import read
@@ -57,7 +57,7 @@ def plan_path(document: Document, file: str, beside: Path | None) -> Path:
 
 def read_plan(
     document: Document, model: PlanModel, placement: Placement, beside: Path | None, given: GivenHome
-) -> Planned:
+) -> PlannedPath:
     """What a mission of kind plan flies. ``given``: of home, beside it. ConfigError with its every fault."""
     path = plan_path(document, model.file, beside)
     if not path.is_file():

@@ -37,7 +37,7 @@ APART = 0.05
 
 
 @dataclass(frozen=True)
-class Planned:
+class PlannedPath:
     """A plan made ready. ``curve``: the path, placed. ``origin``: the planned home, which it counts from. ``yaw``: as
     the plan says, ``look_at`` in the mission's coordinates where it faces one place all the way. ``fence``: in the
     mission's coordinates. ``notes``: what of the plan is not flown. ``home``, ``mixed_heights``: see Mission."""
@@ -57,7 +57,7 @@ class Planned:
 def prepare_plan(
     plan: Plan, tolerance: float, smooth: bool, placement: Placement, home_altitude: float | None = None,
     line_of: Callable[[Key], int] | None = None,
-) -> Planned:  # fmt: skip
+) -> PlannedPath:  # fmt: skip
     """``tolerance``: m, how far from a waypoint the path may pass it. ``smooth``: a spline through the waypoints.
     ``placement``: how the mission counts. ``home_altitude``: m above the sea, told where the plan does not say.
     ``line_of``: see ``route_of``.
@@ -79,7 +79,7 @@ def prepare_plan(
     speeds = [w.speed or plan.speed or HOVER_SPEED for w in legs.waypoints]
     yaw, faced_n = leg_yaw(curve, legs.points, legs.waypoints, arcs, speeds, frame, smooth)
     fence = fence_in(plan.fence, lambda latitude, longitude: frame.to_local(latitude, longitude, frame.altitude))
-    return Planned(
+    return PlannedPath(
         curve=curve,
         origin=GlobalOrigin(
             home.latitude, home.longitude, frame.altitude if True in above_sea else 0.0, True not in above_sea

@@ -18,7 +18,7 @@ from companion.plan import Plan
 from companion.record import rows
 from companion.record.export.columns import CLOCK_DECIMALS, Array, as_numbers, unit_of
 from companion.record.export.ulog_series import log_tables
-from companion.record.replay import Recorded
+from companion.record.replay import RecordedFlight
 from companion.record.table import Table
 from companion.record.ulog.joined import VehicleLog
 
@@ -36,7 +36,7 @@ TRUTH = {
 PATH = {"s": "m, arc length", "north": "m, local frame", "east": "m, local frame", "down": "m, local frame"}
 
 
-def csv_files(flight: Recorded, log: VehicleLog | None = None) -> dict[str, str]:
+def csv_files(flight: RecordedFlight, log: VehicleLog | None = None) -> dict[str, str]:
     """File name -> content. ``log``: the vehicle's own, joined."""
     meanings = {column.name: column.meaning for column in rows.COLUMNS}
     files = {"flight.csv": _table(flight.table), "path.csv": _path(flight.plan)}

@@ -30,7 +30,7 @@ from companion.record.export.scene import (
 )
 from companion.record.export.schemas import Field, series_schema, well_known
 from companion.record.export.ulog_series import log_series, our_clock
-from companion.record.replay import Recorded
+from companion.record.replay import RecordedFlight
 from companion.record.table import Table
 from companion.record.ulog.joined import VehicleLog
 from companion.vehicle import CompanionError
@@ -69,7 +69,7 @@ class FolderContext(NamedTuple):
     about: dict[str, str]
 
 
-def write_mcap(file: Path, flight: Recorded, context: FolderContext, log: VehicleLog | None = None) -> int:
+def write_mcap(file: Path, flight: RecordedFlight, context: FolderContext, log: VehicleLog | None = None) -> int:
     """Write it, with the vehicle's own ``log`` where it was joined; how many messages it has. CompanionError: the
     library is missing. OSError: it cannot be written."""
     try:
@@ -153,7 +153,7 @@ def _moving(topic: str, points: Array, quaternions: Array, times: list[int], fra
     return found
 
 
-def _scenes(flight: Recorded, epoch: float) -> list[Channel]:
+def _scenes(flight: RecordedFlight, epoch: float) -> list[Channel]:
     fresh = flight.table[flight.table["fresh"] == 1]
     first = fresh["now"][:1] if len(fresh) else np.array([flight.begun_at])
     (at,) = _nanoseconds(first, epoch)
@@ -178,7 +178,7 @@ def _scenes(flight: Recorded, epoch: float) -> list[Channel]:
     ]
 
 
-def _truth(flight: Recorded, epoch: float) -> list[Channel]:
+def _truth(flight: RecordedFlight, epoch: float) -> list[Channel]:
     """The plant's true pose and motion."""
     fresh = flight.table[flight.table["fresh"] == 1]
     if flight.truth is None or len(fresh) < 2:

@@ -17,7 +17,7 @@ from companion.flight.phases import Phase
 from companion.plan import Plan
 from companion.record import rows
 from companion.record.events import FlightEvent, flight_events
-from companion.record.replay import Recorded, load_flight
+from companion.record.replay import RecordedFlight, load_flight
 from companion.record.series import followed_series, true_series
 from companion.record.summary import summary
 from companion.record.table import Table
@@ -147,7 +147,7 @@ def _summary(directory: Path) -> Figures | None:
     return figures if isinstance(figures, dict) and all(part in figures for part in PARTS) else None
 
 
-def _ending(flight: Recorded) -> tuple[str, str | None]:
+def _ending(flight: RecordedFlight) -> tuple[str, str | None]:
     """(outcome, reason) of a flight whose summary is missing, from its record."""
     if len(flight.table) == 0:
         return "aborted", "the record ends before the first tick"

@@ -40,7 +40,7 @@ class Orbit(NamedTuple):
     speed: float
     yaw_behaviour: int = OrbitYawBehaviour.HOLD_FRONT_TO_CIRCLE_CENTER
 
-    def moved(self, reference: Reference, pace: TrajectoryLimits, step: float) -> Reference:
+    def moved(self, reference: Reference, limits: TrajectoryLimits, step: float) -> Reference:
         """The reference one ``step`` (s) further round."""
         north, east, down = reference.p_n
         n, e = north - self.centre[0], east - self.centre[1]
@@ -49,13 +49,13 @@ class Orbit(NamedTuple):
         inward = max(-APPROACH_MOST, min(APPROACH_MOST, APPROACH * (self.radius - distance)))
         round_ = self.speed * max(0.0, 1.0 - abs(inward) / APPROACH_MOST)
         # what it takes to stay on the circle is led, or the limited acceleration would carry it outwards
-        lead = round_ / max(RADIUS_MIN, distance) * 2.0 * pace.acceleration / max(0.1, pace.jerk) * 0.5
+        lead = round_ / max(RADIUS_MIN, distance) * 2.0 * limits.acceleration / max(0.1, limits.jerk) * 0.5
         c, s = math.cos(lead), math.sin(lead)
         tangent = (-out[1], out[0])
         tangent = (c * tangent[0] - s * tangent[1], s * tangent[0] + c * tangent[1])
-        climb = max(-pace.climb, min(pace.sink, self.centre[2] - down))
+        climb = max(-limits.climb, min(limits.sink, self.centre[2] - down))
         velocity = (inward * out[0] + round_ * tangent[0], inward * out[1] + round_ * tangent[1], climb)
-        return along(reference, velocity, pace, step)
+        return along(reference, velocity, limits, step)
 
     def heading(self, now: Estimate, held: float) -> float:
         """Where the nose is to point (rad). ``held``: where it points."""
