@@ -37,7 +37,7 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     px4_allocation  the same as PX4 does it                          thrust_range  the bounds of the thrust
     steering     state -> setpoint, one file an output level         flight      phases, guards: the state machine
     plan         a mission made ready to fly                         pilot       one tick
-    settings     gains and limits that a ground station may set
+    settings     gains and limits that a ground station may set      version     of this software
     world        what a simulated world is                           mavlink     the wire
     config       files people write -> values                        xrce        PX4's topics, to its XRCE client
     daemon       the only sockets and clocks                         record      the evidence, and what is made of it
@@ -51,6 +51,8 @@ The vehicle's software stand-in is its own package, ``sim_bridge``, with its own
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
+
+from companion.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from companion.library.flights import Flight
@@ -71,7 +73,6 @@ if TYPE_CHECKING:
     )
     from companion.vehicle import CompanionError
 
-__version__ = "0.1.0"
 __all__ = [
     "CompanionError",
     "Flight",

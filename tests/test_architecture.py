@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 MAY_IMPORT: dict[str, str] = {
     "frames": "",
     "plain_text": "",
+    "version": "",
     "geodesy": "frames",
     "calculus": "",
     "mavlink_common": "",
@@ -43,7 +44,7 @@ MAY_IMPORT: dict[str, str] = {
     # mavlink: world files name messages
     "config": "plain_text mavlink_common frames fence geodesy plans calculus vehicle world paths profiles law mission "
     "mavlink",
-    "record": "frames geodesy vehicle world paths law mission estimation steering feasibility plan settings flight pilot mavlink "
+    "record": "version frames geodesy vehicle world paths law mission estimation steering feasibility plan settings flight pilot mavlink "
     "xrce config",
     "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan settings pilot mavlink "
     "xrce "
@@ -52,7 +53,7 @@ MAY_IMPORT: dict[str, str] = {
     "library": "frames geodesy calculus vehicle world paths law mission places allocation px4_allocation feasibility flight plan pilot "
     "mavlink config record daemon",
     "watch": "plain_text record daemon",
-    "study": "vehicle calculus config record library",
+    "study": "version vehicle calculus config record library",
     "cli": "*",
 }
 SIM_BRIDGE = {"plain_text", "mavlink_common", "frames", "geodesy", "vehicle", "world", "mavlink", "xrce"}

@@ -38,7 +38,7 @@ class Airframe(NamedTuple):
         north, east, _ = self.where.wind_n
         return (
             f"{truth.mass:5.2f} kg T/W {weight:4.2f} lag {1e3 * (truth.motor_lag or 0.0):3.0f} ms drag {truth.drag:4.2f} "
-            f"curve {truth.thrust_curve:3.1f} gains {p:4.2f} {q:4.2f} {r:4.2f} kappa {1e3 * self.torque_per_thrust:4.1f} mm "
+            f"curve {truth.thrust_curve:3.1f} gains {p:4.2f} {q:4.2f} {r:4.2f} torque/thrust {1e3 * self.torque_per_thrust:4.1f} mm "
             f"wind {north:4.1f} {east:4.1f}"
         )
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion import __version__
 from companion.cli import file_commands, look_commands, record_commands, study_commands, vehicle_commands
 from companion.cli.options import (
     AcceptDirectMotors,
@@ -46,6 +45,7 @@ from companion.cli.output import Output
 from companion.cli.terminal import be_normal, detail, open_standard_streams, warn
 from companion.geodesy import NO_HOME_GIVEN
 from companion.vehicle import CompanionError
+from companion.version import __version__
 
 if TYPE_CHECKING:
     from companion.feasibility.report import Report as FeasibilityReport

@@ -24,6 +24,7 @@ from companion.mavlink_common import (
     MAV_CMD_DO_SET_ROI_NONE,
     MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
     MAV_CMD_NAV_DELAY,
+    MAV_CMD_NAV_GUIDED_ENABLE,
     MAV_CMD_NAV_LAND,
     MAV_CMD_NAV_LAST,
     MAV_CMD_NAV_LOITER_TIME,
@@ -32,6 +33,7 @@ from companion.mavlink_common import (
     MAV_CMD_NAV_LOITER_UNLIM,
     MAV_CMD_NAV_PAYLOAD_PLACE,
     MAV_CMD_NAV_RETURN_TO_LAUNCH,
+    MAV_CMD_NAV_ROI,
     MAV_CMD_NAV_SPLINE_WAYPOINT,
     MAV_CMD_NAV_TAKEOFF,
     MAV_CMD_NAV_WAYPOINT,
@@ -42,6 +44,8 @@ from companion.plans.items import Item, Key, Place, Plan, PlanError, Problem
 from companion.plans.payload import PAYLOAD, PayloadCommand
 from companion.plans.waypoints import Route, Waypoint, items_in_words
 
+_FLY_NOWHERE = (MAV_CMD_NAV_ROI, MAV_CMD_NAV_GUIDED_ENABLE)
+"""Below MAV_CMD_NAV_LAST, and no place to fly to all the same."""
 STEPS_MAX = 200_000
 """Items executed, jumps and all."""
 
@@ -134,7 +138,7 @@ class _Walk:
             self._problem(item, f"{c.NOT_FOR_A_QUADROTOR[command]} (command {command}) is not for a quadrotor")
         elif command in _CHANGES:
             _CHANGES[command](self, item)
-        elif command == MAV_CMD_NAV_PAYLOAD_PLACE or (command < MAV_CMD_NAV_LAST and command not in (80, 92)):
+        elif command == MAV_CMD_NAV_PAYLOAD_PLACE or (command < MAV_CMD_NAV_LAST and command not in _FLY_NOWHERE):
             self._problem(item, f"command {command} says where to fly in a way that is not known here")
         elif command in PAYLOAD:
             self._trigger_payload(item)

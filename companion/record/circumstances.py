@@ -1,4 +1,4 @@
-"""Where a flight was flown: the simulated world with its seed and events, and which version of the software flew it."""
+"""Where a flight was flown: the simulated world with its seed and events."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from companion import __version__
 from companion.world import World
 from companion.world.words import air_in_words, event_in_words, event_kind
 
@@ -20,11 +19,6 @@ class SimulatedWorld:
     file: str
     text: str
     seed: int
-
-
-def software_version() -> str:
-    """The version of this software."""
-    return __version__
 
 
 def simulation_document(simulated: SimulatedWorld) -> dict[str, Any]:

@@ -9,8 +9,8 @@ from companion.flight.phases import Phase, Request
 from companion.flight.situation import Reply
 from companion.plan import Plan
 from companion.record import rows
-from companion.record.circumstances import software_version
 from companion.vehicle import Landed, Mode
+from companion.version import __version__
 
 
 def resolution(
@@ -20,7 +20,7 @@ def resolution(
     ``now``: s, when the pilot began; ``epoch``: s since 1970 when our clock read zero."""
     return {
         "schema": "companion.resolved/1",
-        "version": software_version(),
+        "version": __version__,
         "simulation": simulation,
         "mission": {"name": plan.mission.name, "file": mission},
         "vehicle": {"name": plan.vehicle.name, "file": vehicle},

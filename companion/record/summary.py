@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.plan import Plan
-from companion.record.circumstances import software_version
 from companion.record.events import flight_events
 from companion.record.final_estimates import estimate_sentences, final_estimates
 from companion.record.series import FOLLOW, PHASES, followed_series, stretches, true_series
 from companion.record.table import Table
 from companion.vehicle import OutputLevel
+from companion.version import __version__
 
 Figures = dict[str, Any]
 Array = NDArray[np.float64]
@@ -53,7 +53,7 @@ def summary(
         }
     result["loop"] = _loop(table)
     result["found"] = final_estimates(estimated)
-    result["version"] = software_version()
+    result["version"] = __version__
     result["simulation"] = simulation
     result["events"] = [each.document for each in flight_events(estimated, table, simulation)]
     result["notes"] = _notes(estimated, plan) + estimate_sentences(result["found"], plan.vehicle)

@@ -12,12 +12,12 @@ from companion.library.calls import Asked, summary_of
 from companion.library.comparing import figures_of
 from companion.library.files import InputFile, MissionFile, VehicleFile, WorldFile
 from companion.library.outcome import OwnFailureError
-from companion.record.circumstances import software_version
 from companion.study.reading import Study, unmet
 from companion.study.sampling import samples
 from companion.study.stored import at_hand
 from companion.study.variation import KINDS, inner_keys
 from companion.vehicle import CompanionError
+from companion.version import __version__
 
 
 @dataclass(frozen=True)
@@ -107,4 +107,4 @@ def row_of(case: Case, record: Path | None = None) -> dict[str, Any]:
         row |= {"outcome": "failed", "reason": f"{type(error).__name__}: {error}"}
     row["passed"] = row["outcome"] in (("completed",) if case.completed else ("completed", "aborted")) and not failed
     row["unmet"] = "; ".join(failed)
-    return {**row, **figures, "version": software_version(), "wall_s": time.monotonic() - begun}
+    return {**row, **figures, "version": __version__, "wall_s": time.monotonic() - begun}
