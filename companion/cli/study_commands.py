@@ -37,7 +37,7 @@ def run(
     from companion.study.flying import cases_of
     from companion.study.reading import load_study
     from companion.study.results import Results, last_study_directory, new_study_directory
-    from companion.study.telling import holds, in_words
+    from companion.study.telling import in_words, judged
 
     read = load_study(file)
     directory = record or (last_study_directory(read.name) if resume else None) or new_study_directory(read.name)
@@ -53,10 +53,11 @@ def run(
         finally:
             results.close()
     rows = [results.rows[index] for index in sorted(results.rows)]
-    for line in in_words(read.model, rows, read.flights) if rows else []:
+    said = judged(read.model, rows, read.flights)
+    for line in in_words(said) if rows else []:
         tell(line)
     tell(f"results: {directory}")
-    raise typer.Exit(130 if interrupted else 0 if rows and holds(read.model, rows, read.flights) else 1)
+    raise typer.Exit(130 if interrupted else 0 if said.holds else 1)
 
 
 @study.command()
@@ -64,13 +65,14 @@ def report(directory: Folder) -> None:
     """Tell a study's results again, write its tables and its page."""
     from companion.study.page import write_page
     from companion.study.results import load_rows, load_run_study, write_tables
-    from companion.study.telling import in_words
+    from companion.study.telling import in_words, judged
 
     rows, read = load_rows(directory), load_run_study(directory)
     write_tables(directory, rows)
-    for line in in_words(read.model, rows, read.flights) if rows else []:
+    said = judged(read.model, rows, read.flights)
+    for line in in_words(said) if rows else []:
         tell(line)
-    tell(str(write_page(directory, read, rows)))
+    tell(str(write_page(directory, read, rows, said)))
 
 
 @study.command()

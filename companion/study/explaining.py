@@ -32,12 +32,12 @@ def error_name(rows: list[Row]) -> str | None:
 
 def explained(model: StudyModel, rows: list[Row]) -> list[tuple[str, float]]:
     """Spearman's rank correlation of each number that is drawn or chosen with the error, strongest first."""
-    from scipy.stats import spearmanr
-
     name = error_name(rows)
     known = [row for row in rows if name is not None and row.get(name) is not None]
     if name is None or len(known) < ENOUGH:
         return []
+    from scipy.stats import spearmanr
+
     found = []
     for key in (key for key, each in model.vary.items() if not each.formulas):
         values = [row[f"vary.{key}"] for row in known]
@@ -51,14 +51,14 @@ def explained(model: StudyModel, rows: list[Row]) -> list[tuple[str, float]]:
 def sobol_indices(model: StudyModel, rows: list[Row], flights: int) -> list[Index] | None:
     """The Sobol indices of the error (its mean over the grid), largest first (Saltelli 2010, scipy.stats). None: the
     design is another, or a flight of it has no error."""
-    from scipy.stats import sobol_indices as indices
-
     name, drawn = error_name(rows), drawn_names(model.vary)
     if model.sampling != "saltelli" or name is None or not drawn or len(rows) < flights:
         return None
     values = [row.get(name) for row in sorted(rows, key=lambda row: int(row["index"]))]
     if any(value is None for value in values):
         return None
+    from scipy.stats import sobol_indices as indices
+
     block = saltelli_block(len(drawn))
     errors = np.array(values, float).reshape(-1, grid_size(model.vary)).mean(axis=1).reshape(-1, block).T
     found = indices(func={"f_A": errors[:1], "f_B": errors[1:2], "f_AB": errors[2:, None, :]}, n=errors.shape[1])

@@ -10,8 +10,6 @@ from matplotlib.figure import Figure
 
 from companion.record.report.palette import BLUE, VERMILION
 from companion.record.report.style import WIDTH, drawing, legend, name_y
-from companion.study.explaining import error_name, explained
-from companion.study.reading import Study
 
 Row = dict[str, Any]
 HEIGHT = 2.9
@@ -21,15 +19,12 @@ SCATTERED = 5
 """Values that the error is drawn over, the strongest first; an even number of figures with the first."""
 
 
-def drawn(study: Study, rows: list[Row]) -> list[tuple[str, str]]:
-    """Each as SVG, and the sentence under it."""
-    name = error_name(rows)
-    known = [row for row in rows if name is not None and row.get(name) is not None]
-    made = [
-        (_svg(lambda panel: _histogram(panel, known, str(name))), f"Of {len(known)} flights that have one: {name}.")
-    ]
-    for key, correlation in explained(study.model, rows)[:SCATTERED]:
-        svg = _svg(lambda panel, key=key: _scatter(panel, known, str(name), key))
+def drawn(rows: list[Row], name: str, ranks: list[tuple[str, float]]) -> list[tuple[str, str]]:
+    """Each as SVG, and the sentence under it. ``name``: of the error; ``ranks``: what goes with it, strongest first."""
+    known = [row for row in rows if row.get(name) is not None]
+    made = [(_svg(lambda panel: _histogram(panel, known, name)), f"Of {len(known)} flights that have one: {name}.")]
+    for key, correlation in ranks[:SCATTERED]:
+        svg = _svg(lambda panel, key=key: _scatter(panel, known, name, key))
         made.append((svg, f"The error over {key}: rank correlation {correlation:+.2f}."))
     return made
 

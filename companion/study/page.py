@@ -9,9 +9,9 @@ from string import Template
 from typing import Any
 
 from companion.record.files import write_whole
-from companion.study.explaining import error_name, explained, sobol_indices
+from companion.study.explaining import error_name
 from companion.study.reading import Study
-from companion.study.telling import errors_of, holds, pass_rate, shown, verdict, worst
+from companion.study.telling import Verdict, headlines, shown, worst
 from companion.vehicle import CompanionError
 
 Row = dict[str, Any]
@@ -48,18 +48,17 @@ $worst</section>
 """)
 
 
-def write_page(directory: Path, study: Study, rows: list[Row]) -> Path:
+def write_page(directory: Path, study: Study, rows: list[Row], said: Verdict) -> Path:
     """Write ``report.html`` into the folder of a study; its path. CompanionError: matplotlib is not installed."""
-    model = study.model
     text = _PAGE.substitute(
         name=html.escape(study.name),
         style=files("companion.record.report").joinpath("page.css").read_text(encoding="utf-8"),
         facts=" · ".join(f"<span>{html.escape(fact)}</span>" for fact in _facts(study, rows)),
-        mood="completed" if holds(model, rows, study.flights) else "aborted",
-        verdict="<br>".join(map(html.escape, verdict(model, rows, study.flights))),
-        tiles=_tiles(study, rows),
-        figures=_figures(study, rows),
-        explained=_explained(study, rows),
+        mood="completed" if said.holds else "aborted",
+        verdict="<br>".join(map(html.escape, headlines(said))),
+        tiles=_tiles(said),
+        figures=_figures(said, rows),
+        explained=_explained(said),
         worst=_worst(study, rows),
         text=html.escape(study.text),
         folder=html.escape(directory.resolve().name),
@@ -76,10 +75,10 @@ def _facts(study: Study, rows: list[Row]) -> list[str]:
     return [*names, f"{len(rows)} of {study.flights} flights", seeds, model.sampling]
 
 
-def _tiles(study: Study, rows: list[Row]) -> str:
+def _tiles(said: Verdict) -> str:
     """How many pass, and how large the errors are."""
-    rate, errors = pass_rate(study.model, rows), errors_of(rows)
-    bounds = f"between {100.0 * rate.low:.1f} and {100.0 * rate.high:.1f} %, {100.0 * study.model.confidence:g} % sure"
+    rate, errors = said.rate, said.errors
+    bounds = f"between {100.0 * rate.low:.1f} and {100.0 * rate.high:.1f} %, {100.0 * said.model.confidence:g} % sure"
     tiles = [("Passed", f"{100.0 * rate.share:.1f}", "%", bounds)]
     if errors is not None:
         middle, most = f"{errors.middle:.2f}", f"{errors.high:.2f}"
@@ -93,9 +92,9 @@ def _tiles(study: Study, rows: list[Row]) -> str:
     return f'<dl class="tiles">{listed}</dl>\n'
 
 
-def _figures(study: Study, rows: list[Row]) -> str:
+def _figures(said: Verdict, rows: list[Row]) -> str:
     """The distribution of the error, and the error over what explains it best."""
-    if error_name(rows) is None:
+    if said.errors is None:
         return ""
     try:
         from companion.study.figures import drawn
@@ -103,19 +102,18 @@ def _figures(study: Study, rows: list[Row]) -> str:
         raise CompanionError("the page draws with matplotlib: pip install 'px4-path-companion[report]'") from None
     pictures = "".join(
         f"<figure>\n{svg}\n<figcaption><b>Figure {number}.</b> {html.escape(caption)}</figcaption>\n</figure>\n"
-        for number, (svg, caption) in enumerate(drawn(study, rows), 1)
+        for number, (svg, caption) in enumerate(drawn(rows, said.errors.name, said.ranks), 1)
     )
     return f'<section>\n<h2>How far off the path</h2>\n<div class="figures">\n{pictures}</div>\n</section>\n'
 
 
-def _explained(study: Study, rows: list[Row]) -> str:
+def _explained(said: Verdict) -> str:
     """What of all that varies explains the errors."""
-    ranks, indices = dict(explained(study.model, rows)), sobol_indices(study.model, rows, study.flights)
-    if not ranks:
+    if not said.ranks:
         return ""
-    head, lines = ["", "rank correlation"], [[key, f"{value:+.2f}"] for key, value in ranks.items()]
-    if indices is not None:
-        shares = {index.name: index for index in indices}
+    head, lines = ["", "rank correlation"], [[key, f"{value:+.2f}"] for key, value in said.ranks]
+    if said.indices is not None:
+        shares = {index.name: index for index in said.indices}
         head += ["of the variance, alone", "with the others"]
         for line in lines:
             index = shares.get(line[0])

@@ -30,10 +30,7 @@ FIGURES = (
         for name in (*_FLOWN, *(f"{size}.{which}" for size in _SIZES for which in ("rms", "max")))
     ),
     *(f"{part}.{name}" for part in ("settled", "truth.settled") for name in _SETTLED),
-    *(
-        f"truth.flight.{name}"
-        for name in ("height_min_m", "height_max_m", "speed_max_mps", "tilt_max_deg", "impact_mps")
-    ),
+    *(f"truth.flight.{name}" for name in _FLIGHT),
     *("loop.rate_hz", "loop.gap_max_ms"),
 )
 """What may be required of."""

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from companion.config.study.keys import StudyModel
-from companion.study.explaining import error_name, explained, sobol_indices
+from companion.study.explaining import Index, error_name, explained, sobol_indices
 
 Row = dict[str, Any]
 WORST = 10
@@ -37,16 +37,6 @@ def rate_of(passed: int, flights: int, confidence: float) -> Rate:
     return Rate(passed, flights, low, high)
 
 
-def pass_rate(model: StudyModel, rows: list[Row]) -> Rate:
-    """Of flights that were completed and met what is required."""
-    return rate_of(sum(bool(row["passed"]) for row in rows), len(rows), model.confidence)
-
-
-def holds(model: StudyModel, rows: list[Row], flights: int) -> bool:
-    """Whether the study is complete and enough of it passed."""
-    return len(rows) == flights and pass_rate(model, rows).share >= model.pass_rate
-
-
 def worst(rows: list[Row], count: int = WORST) -> list[Row]:
     """Those that did not pass first, then by their error, largest first."""
     name = error_name(rows) or ""
@@ -73,37 +63,59 @@ def errors_of(rows: list[Row]) -> Errors | None:
     return Errors(name, float(low), float(middle), float(high), float(errors.max()))
 
 
-def verdict(model: StudyModel, rows: list[Row], flights: int) -> list[str]:
+class Verdict(NamedTuple):
+    """What the flights of a study say. ``ranks``: rank correlation of each value with the error, strongest first.
+    ``indices``: None where the design gives none. ``flown`` of ``flights`` have landed."""
+
+    model: StudyModel
+    flown: int
+    flights: int
+    rate: Rate
+    holds: bool
+    errors: Errors | None
+    ranks: list[tuple[str, float]]
+    indices: list[Index] | None
+
+
+def judged(model: StudyModel, rows: list[Row], flights: int) -> Verdict:
+    """``rows``: of the flights so far, ``flights``: of the whole study. It holds if it is complete and enough of it was
+    completed and met what is required."""
+    rate = rate_of(sum(bool(row["passed"]) for row in rows), len(rows), model.confidence)
+    held = len(rows) == flights and rate.share >= model.pass_rate
+    found = explained(model, rows), sobol_indices(model, rows, flights)
+    return Verdict(model, len(rows), flights, rate, held, errors_of(rows), *found)
+
+
+def headlines(said: Verdict) -> list[str]:
     """Whether it holds, in a line; and what is missing, in another."""
-    rate = pass_rate(model, rows)
-    said = "holds" if holds(model, rows, flights) else "does not hold" if len(rows) == flights else "is not complete"
+    model, rate, missing = said.model, said.rate, said.flights - said.flown
+    so = "holds" if said.holds else "is not complete" if missing else "does not hold"
     lines = [
-        f"{model.study} {said}: {rate.passed} of {rate.flights} flights passed ({100.0 * rate.share:.1f} %); the "
+        f"{model.study} {so}: {rate.passed} of {rate.flights} flights passed ({100.0 * rate.share:.1f} %); the "
         f"true rate lies between {100.0 * rate.low:.1f} and {100.0 * rate.high:.1f} %, {100.0 * model.confidence:g} % "
         f"sure; required {100.0 * model.pass_rate:g} %"
     ]
-    if len(rows) < flights:
-        lines.append(f"{flights - len(rows)} of {flights} flights are still to be flown: --resume")
+    if missing:
+        lines.append(f"{missing} of {said.flights} flights are still to be flown: --resume")
     return lines
 
 
-def in_words(model: StudyModel, rows: list[Row], flights: int) -> list[str]:
+def in_words(said: Verdict) -> list[str]:
     """The verdict and what stands behind it, in lines."""
-    lines, errors = verdict(model, rows, flights), errors_of(rows)
+    lines, errors = headlines(said), said.errors
     if errors is not None:
         lines.append(
             f"{errors.name}: median {errors.middle:.2f} cm, 5 % to 95 % {errors.low:.2f} to {errors.high:.2f}, largest "
             f"{errors.largest:.2f}"
         )
-    lines += [f"rank correlation with the error: {key} {value:+.2f}" for key, value in explained(model, rows)]
-    found = sobol_indices(model, rows, flights)
-    if found is not None:
+    lines += [f"rank correlation with the error: {key} {value:+.2f}" for key, value in said.ranks]
+    if said.indices is not None:
         lines += [
             f"Sobol index of the error: {key} alone explains {100.0 * first:.0f} % of its variance, with the others "
             f"{100.0 * total:.0f} %"
-            for key, first, total in found
+            for key, first, total in said.indices
         ]
-    elif model.sampling == "saltelli" and len(rows) == flights:
+    elif said.model.sampling == "saltelli" and said.flown == said.flights:
         lines.append("no Sobol indices: a flight of the design has no error; see the worst flights")
     return lines
 

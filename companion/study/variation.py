@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from companion.study.sampling import completed, ends_of
 
 KINDS: dict[str, type[InputFile]] = {"mission": MissionFile, "vehicle": VehicleFile, "world": WorldFile}
 OF_A_FLIGHT = ("output", "seed", "duration", "settle")
+_NAME = re.compile(r"[^\W\d]\w*")
 Chosen = dict[tuple[str, str], InputFile]
 """The files that a choice names, by kind and name."""
 
@@ -61,7 +63,7 @@ class _Variation:
 
     def names(self, given: Mapping[str, Any]) -> None:
         """Every key is one that may vary."""
-        used = " ".join(text for texts in self._formulas.values() for text in texts)
+        used = {name for texts in self._formulas.values() for text in texts for name in _NAME.findall(text)}
         for key in given:
             kind, _, inner = key.partition(".")
             if (kind == "flight" and inner in OF_A_FLIGHT) or kind in KINDS or (key in self._own and key in used):
@@ -81,15 +83,16 @@ class _Variation:
 
     def ends(self) -> Chosen:
         """Each key alone at its ends; where that cannot be flown, with the others at their first ones."""
-        chosen, before = Chosen(), len(self._faults)
-        for key, values in self._ends().items():
+        chosen, before, ends = Chosen(), len(self._faults), self._ends()
+        firsts = {key: values[0] for key, values in ends.items()}
+        for key, values in ends.items():
             kind, _, inner = key.partition(".")
             if kind not in self._files:
                 continue
             for value in values:
                 try:
                     if inner:
-                        self._alone_or_with_others(kind, inner, key, value)
+                        self._alone_or_with_others(kind, inner, value, firsts | {key: value})
                     else:
                         chosen[kind, str(value)] = file_of(kind, str(value), Path(self._document.file).parent)
                 except ConfigError as error:
@@ -97,7 +100,7 @@ class _Variation:
                         self._fault(key, _said(fault, inner))
                     break
         if len(self._faults) == before:
-            self._together()
+            self._together(firsts)
         return chosen
 
     def _ends(self) -> dict[str, list[Any]]:
@@ -106,45 +109,56 @@ class _Variation:
         first = {key: values[0] for key, values in ends.items()}
         for key in self._formulas:
             try:
-                ends[key] = [completed(self._models, first)[key]]
+                ends[key] = [completed({key: self._models[key]}, first)[key]]
             except (ValueError, ArithmeticError, TypeError) as error:
                 self._fault(key, f"makes no number: {error}")
         return ends
 
-    def _alone_or_with_others(self, kind: str, inner: str, key: str, value: Any) -> None:
+    def _alone_or_with_others(self, kind: str, inner: str, value: Any, values: Mapping[str, Any]) -> None:
         try:
             self._files[kind].changed({inner: value})
         except ConfigError:
-            firsts = {other: values[0] for other, values in self._ends().items()}
             try:
-                self._files[kind].changed(inner_keys(firsts | {key: value}, kind))
+                self._files[kind].changed(inner_keys(values, kind))
             except ConfigError:
                 pass
             else:
                 return
             raise
 
-    def _together(self) -> None:
-        """What has a name of its own, at both ends, with all that formulas make of it."""
-        drawn = {key: ends_of(model) for key, model in self._models.items() if key not in self._formulas}
-        for name in self._own:
-            for value in drawn[name]:
-                values = {key: ends[0] for key, ends in drawn.items()} | {name: value}
-                try:
-                    made = completed(self._models, values)
-                    for kind, file in self._files.items():
-                        if any(key.startswith(f"{kind}.") for key in self._formulas):
-                            file.changed(inner_keys(made, kind))
-                except ConfigError as error:
-                    for fault in error.faults:
-                        self._fault(name, f"at {value:g}, {_said(fault, '')}")
-                    break
-                except (ValueError, ArithmeticError, TypeError) as error:
-                    self._fault(name, f"at {value}, a formula makes no number: {error}")
-                    break
+    def _together(self, firsts: Mapping[str, Any]) -> None:
+        """What has a name of its own, at both ends, with all that formulas make of it; first of all everything at its
+        first end, which is said once if it is wrong."""
+        pairs = [(name, value) for name in self._own for value in ends_of(self._models[name])]
+        told: set[str] = set()
+        for number, (name, value) in enumerate(pairs):
+            if name in told or (number and value == firsts[name]):
+                continue
+            for message in self._wrong({**firsts, name: value}):
+                told.add(name)
+                self._fault(name, f"at {_shown(value)}, {message}")
+            if told and not number:
+                return
+
+    def _wrong(self, values: Mapping[str, Any]) -> list[str]:
+        """What is wrong with the files that a flight of these values makes."""
+        try:
+            made = completed(self._models, values)
+            for kind, file in self._files.items():
+                if any(key.startswith(f"{kind}.") for key in self._formulas):
+                    file.changed(inner_keys(made, kind))
+        except ConfigError as error:
+            return [_said(fault, "") for fault in error.faults]
+        except (ValueError, ArithmeticError, TypeError) as error:
+            return [f"a formula makes no number: {error}"]
+        return []
 
     def _fault(self, key: str, message: str) -> None:
         self._faults.append(self._document.fault(("vary", key), message))
+
+
+def _shown(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _said(fault: Fault, inner: str) -> str:

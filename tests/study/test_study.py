@@ -22,13 +22,13 @@ from companion.daemon.conductor import Conductor
 from companion.flight.phases import Phase
 from companion.library.files import VehicleFile, WorldFile
 from companion.study.engine import flown
-from companion.study.explaining import ERRORS, explained, sobol_indices
+from companion.study.explaining import ERRORS, sobol_indices
 from companion.study.flying import Case, asked_of, cases_of, row_of
 from companion.study.reading import load_study, study_from
 from companion.study.results import Results, load_rows, load_run_study
 from companion.study.sampling import ends_of, quantile, samples
 from companion.study.stored import at_hand
-from companion.study.telling import holds, in_words, rate_of, worst
+from companion.study.telling import in_words, judged, rate_of, worst
 
 ROOT = Path(__file__).resolve().parents[2]
 TINY = """\
@@ -159,12 +159,14 @@ def rows(count: int = 20) -> list[dict[str, Any]]:
 
 def test_the_verdict_the_worst_and_what_explains_them() -> None:
     model = StudyModel(study="s", mission="m", pass_rate=0.95, vary={"mass": VaryModel(uniform=[0.0, 20.0])})
-    assert holds(model, rows(), 20) and not holds(model, rows(), 21)
-    assert not holds(model.model_copy(update={"pass_rate": 0.96}), rows(), 20)
+    said = judged(model, rows(), 20)
+    assert said.holds and not judged(model, rows(), 21).holds
+    assert not judged(model.model_copy(update={"pass_rate": 0.96}), rows(), 20).holds
     assert [row["index"] for row in worst(rows(), 3)] == [4, 19, 18]
-    assert explained(model, rows()) == [("mass", pytest.approx(1.0))]
-    assert in_words(model, rows(), 20)[0].startswith("s holds: 19 of 20 flights passed (95.0 %)")
-    assert "1 of 21 flights are still to be flown: --resume" in in_words(model, rows(), 21)
+    ((key, rank),) = said.ranks
+    assert key == "mass" and rank == pytest.approx(1.0)
+    assert in_words(said)[0].startswith("s holds: 19 of 20 flights passed (95.0 %)")
+    assert "1 of 21 flights are still to be flown: --resume" in in_words(judged(model, rows(), 21))
 
 
 def test_sobol_indices_are_those_of_ishigami() -> None:
@@ -202,6 +204,15 @@ def test_formulas_are_made_of_names_of_ones_own() -> None:
     said = str(found.value)
     assert "'tld' is unknown here; expected one of mass, told, pi" in said and "makes no number" in said
     assert "told: is not known" in said and "a name that a formula uses" in said
+    assert said.count("makes no number") == 1  # and not once for every formula beside it
+    part = text.replace("mass*told", "mass").replace("  told:", "  tol:").replace("5*mass", "5*mass*total")
+    part = part.replace("  mass: {log", "  total: {uniform: [0.9, 1.1]}\n  mass: {log")
+    with pytest.raises(ConfigError, match=r"vary\.tol: is not known"):  # a part of a name is not the name
+        study_from(part, "tiny.yaml")
+    heavy = text.replace("{formula: mass*told}", "{formula: 100*mass*told}")
+    with pytest.raises(ConfigError) as found:
+        study_from(heavy, "tiny.yaml")
+    assert len(found.value.faults) == 1, found.value
 
 
 FORMULAS = """\
