@@ -49,7 +49,7 @@ def _histogram(panel: Axes, known: list[Row], name: str) -> None:
     parts = _parts(known)
     errors = [[100.0 * row[name] for row in part] for _, _, part in parts]
     colours, labels = [colour for _, colour, _ in parts], [label for label, _, _ in parts]
-    panel.hist(errors, bins=min(BINS, max(5, len(known) // 4)), stack_panels=True, color=colours, label=labels)
+    panel.hist(errors, bins=min(BINS, max(5, len(known) // 4)), stacked=True, color=colours, label=labels)
     panel.set_xlabel("path error, cm rms, settled")
     name_y(panel, "Flights")
     legend(panel)
