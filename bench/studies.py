@@ -186,10 +186,10 @@ def tape() -> None:
             return super().function(name, outputs)
 
     with unittest.mock.patch.object(kalman_step, "Tape", Kept):
-        one = kalman_step._recorded()
+        one = kalman_step._recorded("kalman", learning=True)
     recorded, name, outputs = made[0]
     many = recorded.array_function(name, outputs)
-    covariance = [1.0 if i == j else 0.01 for i, j in kalman_step.UPPER]
+    covariance = [1.0 if i == j else 0.01 for i, j in kalman_step.UPPER] * kalman_step.AXES
     given = [
         0.008,
         0.1,
@@ -201,9 +201,10 @@ def tape() -> None:
         1e-3,
         *[0.01] * 9,
         1e-5,
-        1.0,
         *[0.1] * kalman_step.SIZE,
         *covariance,
+        *[0.1] * (2 * kalman_step.AXES * kalman_step.PER_AXIS),
+        *(0.04, 0.01, 0.25),
     ]
     alone = _least(lambda: one(*given), 800)
     for count in (100, 1000, 10000):

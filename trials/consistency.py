@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from companion.daemon.conductor import Conductor
 from companion.estimation.kalman import Belief
-from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, SIZE, THRUST_SCALE, UPPER
+from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, SIZE, THRUST_SCALE
 from companion.flight.phases import Phase
 from companion.frames import rotation_matrix
 from companion.vehicle import OutputLevel
@@ -87,9 +87,7 @@ def trial(
 
 def covariance(belief: Belief) -> NDArray[np.float64]:
     """Of (scale, drag, D + W of each axis)."""
-    P = np.zeros((SIZE, SIZE))
-    for (i, j), value in zip(UPPER, belief.P, strict=True):
-        P[i, j] = P[j, i] = value
+    P = np.array(belief.covariance())
     H = np.zeros((2 + AXES, SIZE))
     H[0, THRUST_SCALE] = H[1, DRAG] = 1.0
     for axis in range(AXES):

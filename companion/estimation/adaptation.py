@@ -9,7 +9,7 @@ is not.
 from __future__ import annotations
 
 from companion.estimation.kalman import Belief, Innovation
-from companion.estimation.kalman_step import DIAGONAL, DOWN, EAST, GUST, NORTH, POSITION_R_MIN, VELOCITY_ERROR, WANDER
+from companion.estimation.kalman_step import DOWN, EAST, GUST, NORTH, POSITION_R_MIN, VELOCITY_ERROR, WANDER
 from companion.estimation.noise_levels import NoiseLevels
 from companion.frames import Vec3, clamped
 
@@ -77,10 +77,10 @@ Range = tuple[float, float]
 
 
 def _adapted_level(level: Vec3, belief: Belief, kind: int, k: float, horizontal: Range, vertical: Range) -> Vec3:
-    (a, b, c), (x, P) = level, belief
+    (a, b, c), x, variance = level, belief.x, belief.variance
     north, east, down = NORTH + kind, EAST + kind, DOWN + kind
     return (
-        clamped(a + k * (x[north] ** 2 + P[DIAGONAL[north]] - a), *horizontal),
-        clamped(b + k * (x[east] ** 2 + P[DIAGONAL[east]] - b), *horizontal),
-        clamped(c + k * (x[down] ** 2 + P[DIAGONAL[down]] - c), *vertical),
+        clamped(a + k * (x[north] ** 2 + variance(north) - a), *horizontal),
+        clamped(b + k * (x[east] ** 2 + variance(east) - b), *horizontal),
+        clamped(c + k * (x[down] ** 2 + variance(down) - c), *vertical),
     )

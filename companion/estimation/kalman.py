@@ -21,7 +21,8 @@ a quadrotor up or down for long. So the vertical D is a process with a small sta
 horizontals do not say goes to kappa. The level D also takes the tilt error of the vehicle's estimate, g times it, which
 is not told from a steady wind and acts like one.
 
-The covariance is full, kept as its upper triangle; a step is recorded once and printed as straight-line floats.
+The covariance is full, kept in parts by what the axes have in common; a step is recorded once and printed as
+straight-line floats.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ from companion.estimation.kalman_step import (
     POSITION,
     SIZE,
     STEP,
+    STEP_FROZEN,
     THRUST_SCALE,
     THRUST_SCALE_Q,
     UPPER,
@@ -52,6 +54,10 @@ from companion.estimation.kalman_step import (
 from companion.estimation.noise_levels import NoiseLevels
 from companion.frames import Vec3
 
+G_AT = SIZE + AXES * len(UPPER)
+"""Index of G in what a step gives. By definition of the model."""
+T_AT = G_AT + 2 * AXES * PER_AXIS
+"""Index of T in it. By definition of the model."""
 PRIOR_POSITION_STD = 1e-3
 """m. The reported position is what is followed, whatever the true one. Engineering choice."""
 PRIOR_DISTURBANCE_STD: Vec3 = (1.5, 1.5, 0.1)
@@ -59,10 +65,14 @@ PRIOR_DISTURBANCE_STD: Vec3 = (1.5, 1.5, 0.1)
 
 
 class Belief(NamedTuple):
-    """``x``: (P, V, U, B, D, W) of each axis, kappa, c. ``P``: its covariance, the upper triangle row by row."""
+    """``x``: (P, V, U, B, D, W) of each axis, kappa, c. Its covariance in three parts (see ``kalman_step``): ``S``, of
+    each axis given kappa and c, an upper triangle row by row; ``G``, each axis over kappa and c, row by row; ``T``, of
+    kappa and c."""
 
     x: tuple[float, ...]
-    P: tuple[float, ...]
+    S: tuple[float, ...]
+    G: tuple[float, ...]
+    T: tuple[float, float, float]
 
     @property
     def p_n(self) -> Vec3:
@@ -118,7 +128,24 @@ class Belief(NamedTuple):
 
     def variance(self, index: int) -> float:
         """Of one number of the state."""
-        return self.P[DIAGONAL[index]]
+        kk, kc, cc = self.T
+        if index >= THRUST_SCALE:
+            return kk if index == THRUST_SCALE else cc
+        k, c = self.G[2 * index], self.G[2 * index + 1]
+        return self.S[DIAGONAL[index]] + (k * k * kk + 2.0 * k * c * kc + c * c * cc)
+
+    def covariance(self) -> list[list[float]]:
+        """Of the whole state, SIZE x SIZE; for who looks at it, not for the filter."""
+        kk, kc, cc = self.T
+        slopes = [*zip(self.G[::2], self.G[1::2], strict=True), (1.0, 0.0), (0.0, 1.0)]
+        P = [[a * (kk * d + kc * e) + b * (kc * d + cc * e) for d, e in slopes] for a, b in slopes]
+        for axis in range(AXES):
+            for (i, j), value in zip(UPPER, self.S[len(UPPER) * axis :], strict=False):
+                row, column = PER_AXIS * axis + i, PER_AXIS * axis + j
+                P[row][column] += value
+                if row != column:
+                    P[column][row] += value
+        return P
 
 
 class Innovation(NamedTuple):
@@ -134,31 +161,32 @@ def initial_belief(
     noise: NoiseLevels,
 ) -> Belief:  # fmt: skip
     """Before the first update. ``thrust_scale``, ``drag`` (1/s): value and standard deviation."""
-    x, P = [0.0] * SIZE, [0.0] * len(UPPER)
+    x, S = [0.0] * SIZE, [0.0] * (AXES * len(UPPER))
     for axis in range(AXES):
         at = PER_AXIS * axis
         x[at + DISTURBANCE] = disturbance_n[axis]
-        P[AT[at + DISTURBANCE, at + DISTURBANCE]] = PRIOR_DISTURBANCE_STD[axis] ** 2
-        P[AT[at + GUST, at + GUST]] = noise.gust[axis]
-    for index, (value, deviation) in ((THRUST_SCALE, thrust_scale), (DRAG, drag)):
-        x[index], P[AT[index, index]] = value, deviation**2
-    return reset_position_velocity(Belief(tuple(x), tuple(P)), p_n, v_n, noise)
+        S[DIAGONAL[at + DISTURBANCE]] = PRIOR_DISTURBANCE_STD[axis] ** 2
+        S[DIAGONAL[at + GUST]] = noise.gust[axis]
+    x[THRUST_SCALE], x[DRAG] = thrust_scale[0], drag[0]
+    T = (thrust_scale[1] ** 2, 0.0, drag[1] ** 2)
+    return reset_position_velocity(Belief(tuple(x), tuple(S), (0.0,) * (2 * AXES * PER_AXIS), T), p_n, v_n, noise)
 
 
 def reset_position_velocity(belief: Belief, p_n: Vec3, v_n: Vec3, noise: NoiseLevels) -> Belief:
     """``belief`` with position and velocity reset to what is reported (m, m/s), their errors to none, and their
     cross-covariances with all else zeroed, as after a jump of the vehicle's own estimate; what is known of the forces
     stays."""
-    x, P = list(belief.x), list(belief.P)
+    x, S, G = list(belief.x), list(belief.S), list(belief.G)
     for axis in range(AXES):
-        at = PER_AXIS * axis
+        at, first = PER_AXIS * axis, len(UPPER) * axis
         u, b = noise.wander[axis], noise.velocity_error[axis]
         x[at : at + 4] = p_n[axis], v_n[axis], 0.0, 0.0
-        for moved, variance in enumerate((PRIOR_POSITION_STD**2, b + noise.velocity, u, b), at):
-            for other in range(SIZE):
-                P[AT[min(moved, other), max(moved, other)]] = variance if other == moved else 0.0
-        P[AT[at + VELOCITY, at + VELOCITY_ERROR]] = -b
-    return Belief(tuple(x), tuple(P))
+        G[2 * at : 2 * (at + 4)] = (0.0,) * 8
+        for moved, variance in enumerate((PRIOR_POSITION_STD**2, b + noise.velocity, u, b)):
+            for other in range(PER_AXIS):
+                S[first + AT[min(moved, other), max(moved, other)]] = variance if other == moved else 0.0
+        S[first + AT[VELOCITY, VELOCITY_ERROR]] = -b
+    return Belief(tuple(x), tuple(S), tuple(G), belief.T)
 
 
 def reset_disturbance(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3, noise: NoiseLevels) -> Belief:
@@ -168,7 +196,7 @@ def reset_disturbance(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3,
     for axis in range(AXES):
         at = PER_AXIS * axis
         x[at + GUST] = disturbance_n[axis] - x[at + DISTURBANCE]
-    return Belief(tuple(x), there.P)
+    return there._replace(x=tuple(x))
 
 
 def predict_and_update(
@@ -180,9 +208,9 @@ def predict_and_update(
     ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes kappa and c. ``thrust_scale_q``: 1/s, process noise of
     kappa.
     """
-    told = STEP(
+    told = (STEP if learning else STEP_FROZEN)(
         dt, *specific_thrust_n, gravity, *p_n, *v_n, noise.position, noise.velocity, *noise.wander,
-        *noise.velocity_error, *noise.gust, thrust_scale_q, 1.0 if learning else 0.0, *belief.x, *belief.P,
+        *noise.velocity_error, *noise.gust, thrust_scale_q, *belief.x, *belief.S, *belief.G, *belief.T,
     )  # fmt: skip
-    end = SIZE + len(UPPER)
-    return Belief(told[:SIZE], told[SIZE:end]), Innovation(told[end : end + 6], told[end + 6 :])
+    x, S, G, T = told[:SIZE], told[SIZE:G_AT], told[G_AT:T_AT], told[T_AT : T_AT + 3]
+    return Belief(x, S, G, T), Innovation(told[T_AT + 3 : -6], told[-6:])  # type: ignore[arg-type]

@@ -1,10 +1,26 @@
-"""One step of the Kalman filter, recorded once and printed as straight-line floats. The model is in ``kalman``."""
+"""One step of the Kalman filter, recorded once and printed as straight-line floats. The model is in ``kalman``.
+
+North, east and down have nothing in common but the thrust scale and the drag, q = (kappa, c): with these known the
+three axes are three filters of their own. So the covariance is kept as
+
+    S    of each axis, given q               x = x_0 + G (q - q_0) + e,  cov(e) = S
+    G    of each axis, dx/dq
+    T    of q
+
+and of an axis as a whole it is S + G T G^T, between two axes G_i T G_j^T, with q G T. A measurement of an axis is taken
+by that axis alone; what it says of q moves the others through their G, once, at the end of the step. That is a third of
+the arithmetic of the whole matrix, and the same but for the noise of q: it loosens what an axis knows of q, which is
+exact here, and with it (by under a thousandth in a step) what two axes have in common through q.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 from companion.calculus.scalar import Scalar
 from companion.calculus.straight import Function, Tape
-from companion.estimation.translation import acceleration
+from companion.estimation.translation import Scalar3, acceleration
 from companion.frames import Vec3
 
 PER_AXIS = 6
@@ -20,10 +36,11 @@ DRAG = THRUST_SCALE + 1
 """Index of the drag in the state. By definition."""
 SIZE = THRUST_SCALE + 2
 """Number of states in all. By definition."""
-UPPER = tuple((i, j) for i in range(SIZE) for j in range(i, SIZE))
+UPPER = tuple((i, j) for i in range(PER_AXIS) for j in range(i, PER_AXIS))
+"""The numbers of S of an axis: an upper triangle, row by row."""
 AT = {pair: index for index, pair in enumerate(UPPER)}
-DIAGONAL = tuple(AT[i, i] for i in range(SIZE))
-"""Where the variance of each state stands in the upper triangle."""
+DIAGONAL = tuple(len(UPPER) * axis + AT[i, i] for axis in range(AXES) for i in range(PER_AXIS))
+"""Where the variance of each state, given q, stands in S."""
 
 WANDER_TIME = 0.5
 """s, time constant of U. Spectrum of PX4's position error on a recorded circle, sensors shaking: that of its derivative
@@ -52,10 +69,20 @@ POSITION_Q_GAIN = 24.0
 second is added to its process noise. Sweep over the worlds of configs/worlds."""
 
 Rows = dict[int, list[tuple[int, Scalar]]]
-"""Rows of the transition that are not those of the identity: index -> (column, factor)."""
+"""Rows of an axis's transition that are not those of the identity: state -> (state, factor)."""
+Matrix = list[list[Scalar]]
 
 
-def _recorded() -> Function:
+class _Axis(NamedTuple):
+    """One axis in the middle of a step: its state, S and G. Changed in place."""
+
+    x: list[Scalar]
+    S: Matrix
+    G: Matrix
+
+
+def _recorded(name: str, *, learning: bool) -> Function:
+    """``learning``: False freezes kappa and c; they move neither their axes nor their own covariance (Schmidt)."""
     tape = Tape()
     (dt,) = tape.inputs("dt")
     F = tape.inputs("fx", "fy", "fz")
@@ -63,111 +90,175 @@ def _recorded() -> Function:
     measured = tape.inputs("xm", "ym", "zm", "vxm", "vym", "vzm")
     noise_p, noise_v = tape.inputs("rp", "rv")
     levels = [tape.inputs(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
-    scale_q, learn = tape.inputs("qk", "learn")
-    x: list[Scalar] = list(tape.inputs(*(f"x{i}" for i in range(SIZE))))
-    upper = tape.inputs(*(f"p{i}_{j}" for i, j in UPPER))
-    P: list[list[Scalar]] = [[upper[AT[min(i, j), max(i, j)]] for j in range(SIZE)] for i in range(SIZE)]
-    x, rows = _transition(x, dt, F, g)
-    P = _propagated(P, rows)
-    for axis in range(AXES):
+    (scale_q,) = tape.inputs("qk")
+    states = [tape.inputs(*(f"x{axis}{i}" for i in range(PER_AXIS))) for axis in range(AXES)]
+    kappa, c = tape.inputs("kappa", "c")
+    upper = [tape.inputs(*(f"s{axis}{i}{j}" for i, j in UPPER)) for axis in range(AXES)]
+    slopes = [tape.inputs(*(f"g{axis}{i}{k}" for i in range(PER_AXIS) for k in "kc")) for axis in range(AXES)]
+    tkk, tkc, tcc = tape.inputs("tkk", "tkc", "tcc")
+    T: Matrix = [[tkk, tkc], [tkc, tcc]]
+    Q = (scale_q * dt, DRAG_Q * dt)
+    accelerations = acceleration(
+        (kappa * F[0], kappa * F[1], kappa * F[2]), _each(states, VELOCITY), g, c,
+        _each([[*x, x[DISTURBANCE] + x[GUST]] for x in states], PER_AXIS),
+    )  # fmt: skip
+    axes = []
+    for axis, (x, S, G) in enumerate(zip(states, upper, slopes, strict=True)):
         u, b, w = (level[axis] for level in levels)
         noises = (
             POSITION_Q + (noise_p - POSITION_R_MIN) * POSITION_Q_GAIN, VELOCITY_Q, u * (2.0 / WANDER_TIME),
             b * (2.0 / VELOCITY_ERROR_TIME), DISTURBANCE_Q[axis], w * (2.0 / GUST_TIME),
         )  # fmt: skip
-        for i, noise in enumerate(noises, PER_AXIS * axis):
-            P[i][i] = P[i][i] + noise * dt
-    P[THRUST_SCALE][THRUST_SCALE] = P[THRUST_SCALE][THRUST_SCALE] + (scale_q * dt) * learn
-    P[DRAG][DRAG] = P[DRAG][DRAG] + (DRAG_Q * dt) * learn
-    innovations: list[Scalar] = []
-    variances: list[Scalar] = []
-    for axis in range(AXES):
-        x = _updated(x, P, (PER_AXIS * axis,), measured[axis], noise_p, learn, innovations, variances)
-    for axis in range(AXES):
-        states = (PER_AXIS * axis + VELOCITY, PER_AXIS * axis + VELOCITY_ERROR)
-        x = _updated(x, P, states, measured[3 + axis], noise_v, learn, innovations, variances)
-    return tape.function("kalman", [*x, *(P[i][j] for i, j in UPPER), *innovations, *variances])
+        rows, by_q = _transition(axis, dt, c), (F[axis], x[VELOCITY])
+        known = _predicted(_as_axis(x, S, G), rows, dt, accelerations[axis], by_q)
+        for i, noise in enumerate(noises):
+            known.S[i][i] = known.S[i][i] + noise * dt
+        axes.append(_loosened(known, T, Q) if learning else known)
+    if learning:
+        T = [[tkk + Q[0], tkc], [tkc, tcc + Q[1]]]
+    moved: list[Scalar] = [0.0, 0.0]
+    update = _updated if learning else _updated_frozen
+    positions = [update(known, T, moved, (POSITION,), measured[i], noise_p) for i, known in enumerate(axes)]
+    both = (VELOCITY, VELOCITY_ERROR)
+    velocities = [update(known, T, moved, both, measured[AXES + i], noise_v) for i, known in enumerate(axes)]
+    seen = [*positions, *velocities]
+    return tape.function(name, [
+        *(value + (k * moved[0] + d * moved[1]) for x, _, G in axes for value, (k, d) in zip(x, G, strict=True)),
+        kappa + moved[0], c + moved[1],
+        *(S[i][j] for _, S, _ in axes for i, j in UPPER), *(slope for _, _, G in axes for row in G for slope in row),
+        T[0][0], T[0][1], T[1][1], *(residual for residual, _ in seen), *(variance for _, variance in seen),
+    ])  # fmt: skip
 
 
-def _transition(x: list[Scalar], dt: Scalar, F: tuple[Scalar, ...], g: Scalar) -> tuple[list[Scalar], Rows]:
-    """x ``dt`` s later, and the transition's rows: each lag exactly in its decay to first order, P to second order."""
-    kappa, c = x[THRUST_SCALE], x[DRAG]
-    half = dt * dt * 0.5
-    velocity, pushes = [], []
-    for axis in range(AXES):
-        at = PER_AXIS * axis
-        velocity.append(x[at + VELOCITY])
-        pushes.append(x[at + DISTURBANCE] + x[at + GUST])
-    accelerations = acceleration(
-        (kappa * F[0], kappa * F[1], kappa * F[2]), (velocity[0], velocity[1], velocity[2]), g, c,
-        (pushes[0], pushes[1], pushes[2]),
-    )  # fmt: skip
-    later, rows = list(x), Rows()
-    for axis in range(AXES):
-        p, v, u, b, d, w = range(PER_AXIS * axis, PER_AXIS * (axis + 1))
-        a = accelerations[axis]
-        later[p], later[v] = x[p] + dt * (x[v] + x[u]) + half * a, x[v] + dt * a
-        rows[p] = [(p, 1.0), (v, dt), (u, dt)]
-        rows[v] = [(v, 1.0 - dt * c), (d, dt), (w, dt), (THRUST_SCALE, -(dt * F[axis])), (DRAG, -(dt * x[v]))]
-        times = (WANDER_TIME, VELOCITY_ERROR_TIME, DISTURBANCE_TIME[axis], GUST_TIME)
-        for i, time in zip((u, b, d, w), times, strict=True):
-            if time > 1e6:
-                continue
-            keep = 1.0 / (1.0 + dt * (1.0 / time))  # positive at any step
-            later[i] = x[i] * keep
-            rows[i] = [(i, keep)]
-    return later, rows
+def _each(states: Sequence[Sequence[Scalar]], kind: int) -> Scalar3:
+    """One number of each axis."""
+    x, y, z = (state[kind] for state in states)
+    return x, y, z
 
 
-def _propagated(P: list[list[Scalar]], rows: Rows) -> list[list[Scalar]]:
-    """F P F^T."""
+def _as_axis(x: Sequence[Scalar], upper: Sequence[Scalar], slopes: Sequence[Scalar]) -> _Axis:
+    S = [[upper[AT[min(i, j), max(i, j)]] for j in range(PER_AXIS)] for i in range(PER_AXIS)]
+    return _Axis(list(x), S, [list(slopes[2 * i : 2 * i + 2]) for i in range(PER_AXIS)])
 
-    def combined(factors: list[tuple[int, Scalar]], of: list[Scalar]) -> Scalar:
-        total: Scalar = 0.0
-        for column, factor in factors:
-            total = total + of[column] * factor
-        return total
 
-    half = [
-        [combined(rows[i], [P[k][j] for k in range(SIZE)]) for j in range(SIZE)] if i in rows else list(P[i])
-        for i in range(SIZE)
-    ]
-    result: list[list[Scalar]] = [[0.0] * SIZE for _ in range(SIZE)]
+def _transition(axis: int, dt: Scalar, c: Scalar) -> Rows:
+    """Of the deviations over ``dt`` s: each lag exactly in its decay to first order."""
+    rows = Rows()
+    rows[POSITION] = [(POSITION, 1.0), (VELOCITY, dt), (WANDER, dt)]
+    rows[VELOCITY] = [(VELOCITY, 1.0 - dt * c), (DISTURBANCE, dt), (GUST, dt)]
+    lags = {
+        WANDER: WANDER_TIME, VELOCITY_ERROR: VELOCITY_ERROR_TIME, DISTURBANCE: DISTURBANCE_TIME[axis], GUST: GUST_TIME
+    }  # fmt: skip
+    for i, time in lags.items():
+        if time < 1e6:
+            rows[i] = [(i, 1.0 / (1.0 + dt * (1.0 / time)))]  # positive at any step
+    return rows
+
+
+def _predicted(known: _Axis, rows: Rows, dt: Scalar, a: Scalar, by_q: tuple[Scalar, Scalar]) -> _Axis:
+    """``dt`` s later: the state, P to second order; A S A^T; A G + B. ``a``: m/s^2; ``by_q``: what kappa and c take
+    from it, each over its unit."""
+    x, S, G = known
+    later = [x[i] * rows[i][0][1] if i in rows else x[i] for i in range(PER_AXIS)]
+    later[POSITION] = x[POSITION] + dt * (x[VELOCITY] + x[WANDER]) + (dt * dt * 0.5) * a
+    later[VELOCITY] = x[VELOCITY] + dt * a
+    half = [[_combined(rows, i, [S[k][j] for k in range(PER_AXIS)]) for j in range(PER_AXIS)] for i in range(PER_AXIS)]
+    spread: Matrix = [[0.0] * PER_AXIS for _ in range(PER_AXIS)]
     for i, j in UPPER:
-        result[i][j] = result[j][i] = combined(rows[j], half[i]) if j in rows else half[i][j]
-    return result
+        spread[i][j] = spread[j][i] = _combined(rows, j, half[i])
+    slopes = [[_combined(rows, i, [row[k] for row in G]) for k in (0, 1)] for i in range(PER_AXIS)]
+    slopes[VELOCITY] = [slope - dt * by for slope, by in zip(slopes[VELOCITY], by_q, strict=True)]
+    return _Axis(later, spread, slopes)
+
+
+def _combined(rows: Rows, i: int, of: list[Scalar]) -> Scalar:
+    """Row ``i`` of the transition times a column."""
+    if i not in rows:
+        return of[i]
+    total: Scalar = 0.0
+    for column, factor in rows[i]:
+        total = total + of[column] * factor
+    return total
+
+
+def _loosened(known: _Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> _Axis:
+    """Once q has moved by noise of the variances ``Q``: what of the axis went with q before goes less with it now,
+
+    G' = G M,  S' = S + G M Q G^T,  M = T (T + Q)^-1, so that S + G T G^T and G T stay what they were."""
+    x, S, G = known
+    (tkk, tkc), (_, tcc) = T
+    inverse = 1.0 / ((tkk + Q[0]) * (tcc + Q[1]) - tkc * tkc)
+    M = (
+        (1.0 - Q[0] * (tcc + Q[1]) * inverse, tkc * Q[0] * inverse),
+        (tkc * Q[1] * inverse, 1.0 - Q[1] * (tkk + Q[0]) * inverse),
+    )
+    slopes = [[k * M[0][0] + c * M[1][0], k * M[0][1] + c * M[1][1]] for k, c in G]
+    for i, j in UPPER:
+        S[i][j] = S[j][i] = S[i][j] + (slopes[i][0] * Q[0] * G[j][0] + slopes[i][1] * Q[1] * G[j][1])
+    return _Axis(x, S, slopes)
 
 
 def _updated(
-    x: list[Scalar], P: list[list[Scalar]], states: tuple[int, ...], measured: Scalar, noise: Scalar, learn: Scalar,
-    innovations: list[Scalar], variances: list[Scalar],
-) -> list[Scalar]:  # fmt: skip
-    """x after a measurement of the sum of ``states``; P is changed in place.
-
-    Joseph's form with gain rows of zero for what is frozen: only the covariance among the frozen stays as it was.
-    """
-    predicted: Scalar = 0.0
-    cross: list[Scalar] = [0.0] * SIZE
-    for state in states:
-        predicted = predicted + x[state]
-        cross = [total + P[i][state] for i, total in enumerate(cross)]
-    variance: Scalar = noise
-    for state in states:
-        variance = variance + cross[state]
-    residual = measured - predicted
+    known: _Axis, T: Matrix, moved: list[Scalar], states: tuple[int, ...], measured: Scalar, noise: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Innovation and variance of a measurement of the sum of ``states``; the axis, ``T`` and what q has ``moved`` by in
+    this step are changed in place. The axis learns what it does given q, and q the rest."""
+    x, S, G = known
+    cross, slope, variance = _seen(known, states, noise)
+    apart = measured - _sum(x, states)
     inverse = 1.0 / variance
-    innovations.append(residual)
-    variances.append(variance)
     gains = [value * inverse for value in cross]
     for i, j in UPPER:
-        taken = gains[i] * cross[j]
-        P[i][j] = P[j][i] = P[i][j] - (taken * learn if i >= THRUST_SCALE else taken)
-    frozen = (THRUST_SCALE, DRAG)
-    return [
-        value + (gain * residual) * (learn if i in frozen else 1.0)
-        for i, (value, gain) in enumerate(zip(x, gains, strict=True))
-    ]
+        S[i][j] = S[j][i] = S[i][j] - gains[i] * cross[j]
+    for i, gain in enumerate(gains):
+        x[i] = x[i] + gain * apart
+        G[i] = [G[i][0] - gain * slope[0], G[i][1] - gain * slope[1]]
+    by_q = [T[0][0] * slope[0] + T[0][1] * slope[1], T[1][0] * slope[0] + T[1][1] * slope[1]]
+    whole = variance + (slope[0] * by_q[0] + slope[1] * by_q[1])
+    residual = apart - (slope[0] * moved[0] + slope[1] * moved[1])
+    inverse = 1.0 / whole
+    gain_k, gain_c = by_q[0] * inverse, by_q[1] * inverse
+    moved[:] = moved[0] + gain_k * residual, moved[1] + gain_c * residual
+    crossed = T[0][1] - gain_k * by_q[1]
+    T[:] = [T[0][0] - gain_k * by_q[0], crossed], [crossed, T[1][1] - gain_c * by_q[1]]
+    return residual, whole
 
 
-STEP = _recorded()
-"""(dt, F, g, measurement, noise, state, covariance) -> (state, covariance, innovations, variances)."""
+def _updated_frozen(
+    known: _Axis, T: Matrix, moved: list[Scalar], states: tuple[int, ...], measured: Scalar, noise: Scalar
+) -> tuple[Scalar, Scalar]:
+    """The same where q stays as it is, though not known: Joseph's form, with the gain of the axis as a whole."""
+    x, S, G = known
+    cross, slope, variance = _seen(known, states, noise)
+    by_q = [T[0][0] * slope[0] + T[0][1] * slope[1], T[1][0] * slope[0] + T[1][1] * slope[1]]
+    whole = variance + (slope[0] * by_q[0] + slope[1] * by_q[1])
+    residual = measured - _sum(x, states)
+    inverse = 1.0 / whole
+    gains = [(value + (k * by_q[0] + c * by_q[1])) * inverse for value, (k, c) in zip(cross, G, strict=True)]
+    half = [value - gain * (variance * 0.5) for value, gain in zip(cross, gains, strict=True)]
+    for i, j in UPPER:
+        S[i][j] = S[j][i] = S[i][j] - (gains[i] * half[j] + half[i] * gains[j])
+    for i, gain in enumerate(gains):
+        x[i] = x[i] + gain * residual
+        G[i] = [G[i][0] - gain * slope[0], G[i][1] - gain * slope[1]]
+    return residual, whole
+
+
+def _seen(known: _Axis, states: tuple[int, ...], noise: Scalar) -> tuple[list[Scalar], tuple[Scalar, Scalar], Scalar]:
+    """Of the sum of ``states``, given q: its covariance with each state, its slope by q, its variance as measured."""
+    cross = [_sum(row, states) for row in known.S]
+    slope = (_sum([row[0] for row in known.G], states), _sum([row[1] for row in known.G], states))
+    return cross, slope, noise + _sum(cross, states)
+
+
+def _sum(values: list[Scalar], states: tuple[int, ...]) -> Scalar:
+    total: Scalar = 0.0
+    for state in states:
+        total = total + values[state]
+    return total
+
+
+STEP = _recorded("kalman", learning=True)
+"""(dt, F, g, measurement, noise, state, S, G, T) -> (state, S, G, T, innovations, variances)."""
+STEP_FROZEN = _recorded("kalman_frozen", learning=False)
+"""The same without learning kappa and c."""

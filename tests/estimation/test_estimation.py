@@ -19,7 +19,7 @@ from companion.estimation.estimator import (
     update_estimate,
 )
 from companion.estimation.kalman import Belief, initial_belief, predict_and_update, reset_position_velocity
-from companion.estimation.kalman_step import DRAG, SIZE, THRUST_SCALE, UPPER
+from companion.estimation.kalman_step import AXES, DRAG, PER_AXIS, SIZE, THRUST_SCALE
 from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.predictor import ForceModel, predict
 from companion.estimation.rate_loop_identification import initial_rate_loop_estimate, update_rate_loop_estimate
@@ -131,17 +131,15 @@ def test_prediction_is_the_motion_it_predicts() -> None:
 
 
 def dense(belief: Belief) -> np.ndarray:
-    P = np.zeros((SIZE, SIZE))
-    for (i, j), value in zip(UPPER, belief.P, strict=True):
-        P[i, j] = P[j, i] = value
-    return P
+    return np.array(belief.covariance())
 
 
 LEVELS = NoiseLevels(1e-6, 1e-4, (0.01, 0.02, 0.03), (0.04, 0.05, 0.06), (0.09, 0.1, 0.04))
 
 
 def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: NoiseLevels, learn: bool):  # type: ignore[no-untyped-def]
-    """The textbook's filter in matrices, all six measurements at once, Joseph's form with zero rows."""
+    """The textbook's filter in matrices, in Joseph's form: all six measurements at once; while kappa and c are frozen
+    one by one, each for its own axis alone."""
     x, P = np.array(belief.x), dense(belief)
     kappa, c = x[THRUST_SCALE], x[DRAG]
     T, new, Q, H = np.eye(SIZE), x.copy(), np.zeros(SIZE), np.zeros((6, SIZE))
@@ -170,11 +168,33 @@ def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: Noise
     Q[THRUST_SCALE:] = kalman_step.THRUST_SCALE_Q * learn, kalman_step.DRAG_Q * learn
     P = T @ P @ T.T + np.diag(Q) * dt
     R = np.diag([noise.position] * 3 + [noise.velocity] * 3)
-    K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
-    if not learn:
-        K[THRUST_SCALE:] = 0.0
+    axes_apart(P)
+    if learn:
+        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+        return new + K @ (z - H @ new), joseph(P, K, H, R)
+    for row in range(6):
+        own, seen = slice(PER_AXIS * (row % AXES), PER_AXIS * (row % AXES + 1)), H[[row]]
+        K = np.zeros((SIZE, 1))
+        K[own] = (P @ seen.T / (seen @ P @ seen.T + R[row, row]))[own]
+        new, P = new + K @ (z[[row]] - seen @ new), joseph(P, K, seen, R[row : row + 1, row : row + 1])
+    return new, P
+
+
+def joseph(P: np.ndarray, K: np.ndarray, H: np.ndarray, R: np.ndarray) -> np.ndarray:
     I_KH = np.eye(SIZE) - K @ H
-    return new + K @ (z - H @ new), I_KH @ P @ I_KH.T + K @ R @ K.T
+    return I_KH @ P @ I_KH.T + K @ R @ K.T
+
+
+def axes_apart(P: np.ndarray) -> None:
+    """Let the axes have nothing in common but what they have with kappa and c."""
+    common = P[:THRUST_SCALE, THRUST_SCALE:] @ np.linalg.solve(
+        P[THRUST_SCALE:, THRUST_SCALE:], P[THRUST_SCALE:, :THRUST_SCALE]
+    )
+    for i in range(AXES):
+        for j in range(AXES):
+            if i != j:
+                block = np.ix_(range(PER_AXIS * i, PER_AXIS * (i + 1)), range(PER_AXIS * j, PER_AXIS * (j + 1)))
+                P[block] = common[block]
 
 
 def fresh(p_n: Vec3 = STILL, v_n: Vec3 = STILL) -> Belief:
@@ -197,11 +217,14 @@ def test_the_filter_is_the_textbooks() -> None:
 
 
 def test_frozen_rows_stay_and_the_rest_is_as_with_zero_gains() -> None:
-    """The measurements are taken one by one, which with frozen rows is the textbook's only for one of them."""
     belief = fresh(STILL, (2.0, 1.0, 0.0))
     for k in range(30):
         belief, _ = predict_and_update(belief, 0.01, (0.1 * k, 0.0, 9.0), G, STILL, (2.0, 1.0, 0.0), LEVELS, True)
-    frozen, _ = predict_and_update(belief, 0.01, (1.0, 0.0, 9.0), G, (0.1, 0.0, 0.0), (2.5, 1.0, 0.0), LEVELS, False)
+    F, z = (1.0, 0.0, 9.0), np.array([0.1, 0.0, 0.0, 2.5, 1.0, 0.0])
+    frozen, _ = predict_and_update(belief, 0.01, F, G, tuple(z[:3]), tuple(z[3:]), LEVELS, False)
+    x, P = usual_kalman(belief, 0.01, F, z, LEVELS, False)
+    assert frozen.x == pytest.approx(x, abs=1e-9)
+    assert np.allclose(dense(frozen), P, rtol=1e-7, atol=1e-12)
     assert frozen.x[THRUST_SCALE:] == belief.x[THRUST_SCALE:]
     for i in (THRUST_SCALE, DRAG):
         for j in (THRUST_SCALE, DRAG):
