@@ -76,9 +76,10 @@ def correct_body_with_gyro(body_state: BodyState, measured_b: Vec3, dt: float) -
     near, far = TURN_OBSERVER[0] * h, TURN_OBSERVER[1] * h
     (p, q, r), (tp, tq, tr) = body_state.w_b, body_state.trim
     ip, iq, ir = measured_b[0] - p, measured_b[1] - q, measured_b[2] - r
-    return body_state._replace(
-        w_b=(p + near * ip, q + near * iq, r + near * ir),
-        trim=(
+    return BodyState(
+        (p + near * ip, q + near * iq, r + near * ir),
+        body_state.acting,
+        (
             clamped(tp + far * ip, -TRIM_MAX, TRIM_MAX),
             clamped(tq + far * iq, -TRIM_MAX, TRIM_MAX),
             clamped(tr + far * ir, -TRIM_MAX, TRIM_MAX),

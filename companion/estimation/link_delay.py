@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from companion.frames import clamped
+
 PX4_STEP = 0.004
 """s: a setpoint acts at PX4's next step of its attitude control (250 Hz)."""
 DELAY_MAX = 0.2
@@ -16,8 +18,8 @@ def update_delay(
     """s, ``dt`` s later: the link there and back as measured, and the ``step`` (s) at which a command acts; as
     ``stated`` in the vehicle file where nothing is measured. It follows at DELAY_SLEW at most."""
     now = stated if link_delay is None else link_delay + step
-    now = min(max(now, 0.0), DELAY_MAX)
+    now = clamped(now, 0.0, DELAY_MAX)
     if before is None or dt == 0.0:
         return now
     most = DELAY_SLEW * dt
-    return before + min(max(now - before, -most), most)
+    return before + clamped(now - before, -most, most)

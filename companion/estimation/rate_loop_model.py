@@ -13,7 +13,7 @@ import math
 from functools import lru_cache
 from typing import NamedTuple, Protocol, TypeVar
 
-from companion.frames import Vec3
+from companion.frames import Vec3, clamped
 
 STEP = 0.012
 """s, the longest step of a prediction. Engineering choice: half of it is a tenth of the shortest usual lag."""
@@ -153,9 +153,10 @@ def propagate(
     h = round((end - begin) / steps, 6)
     if h <= 0.0:
         return rate_loop_state, rate_loop_state.specific_thrust
-    rolling, pitching = (axis_transition(lag, rate_loop.motor_lag, h) for lag in rate_loop.lags)
+    (roll_lag, pitch_lag), motor_lag = rate_loop.lags, rate_loop.motor_lag
+    rolling, pitching = axis_transition(roll_lag, motor_lag, h), axis_transition(pitch_lag, motor_lag, h)
     turning = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)
-    left, mean = thrust_transition(rate_loop.motor_lag, h)
+    left, mean = thrust_transition(motor_lag, h)
     total = 0.0
     for k in range(steps):
         _, rates, specific_thrust = active_command(commands, begin + (k + 0.5) * h)
@@ -219,5 +220,5 @@ def correct_with_gyro(
         (p + near * ip, q + near * iq, r + l1 * h * ir),
         (pd + far * ip, qd + far * iq, rd + l2 * h * ir),
         specific_thrust,
-        max(-YAW_TRIM_MAX, min(YAW_TRIM_MAX, trim + l3 * h * ir)),
+        clamped(trim + l3 * h * ir, -YAW_TRIM_MAX, YAW_TRIM_MAX),
     )

@@ -94,7 +94,7 @@ def advance_estimate(
     rate_loop_state, thrust = propagate(estimate.rate_loop_state, estimate.rate_loop, commands, before, now)
     rate_loop_state = correct_with_gyro(rate_loop_state, state.w_b, now - before, estimate.rate_loop.yaw_lag)
     motion, at_once = advance_motion(estimate.motion, thrust, state, limited, moving)
-    estimate = estimate._replace(motion=motion, rate_loop_state=rate_loop_state)
+    estimate = VehicleEstimate(motion, rate_loop_state, estimate.identification, estimate.yaw_loop, estimate.rate_loop)
     return learn_pending(estimate, commands) if at_once else estimate
 
 
@@ -115,7 +115,7 @@ def learn_pending(estimate: VehicleEstimate, commands: Commands) -> VehicleEstim
         yaw_loop = update_yaw_loop_estimate(estimate.yaw_loop, commands, state.t_boot, state.w_b[2])
     if found.lags != estimate.identification.lags or yaw_loop.lag != estimate.yaw_loop.lag:
         rate_loop = _used(found, motor_lag, yaw_loop.lag)
-    return estimate._replace(motion=motion, identification=found, yaw_loop=yaw_loop, rate_loop=rate_loop)
+    return VehicleEstimate(motion, estimate.rate_loop_state, found, yaw_loop, rate_loop)
 
 
 def predict_vehicle(estimate: VehicleEstimate, commands: Commands, horizon: float) -> PredictedState:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.frames import Matrix3, Vec3, upright_error
+from companion.frames import Matrix3, Vec3, clamped, upright_error
 from companion.law.errors import LawError
 from companion.thrust_range import ThrustRange
 from companion.vehicle import Limits
@@ -59,9 +59,7 @@ def limit_rates(turn: Vec3, gains: tuple[float, float], limits: Limits | None) -
         return LimitedRates((p, q, r), (p * g, q * k, r), False)
     p_most, q_most, r_most = limits.body_rates
     p_most, q_most = min(p_most, TILT_RATE_MAX), min(q_most, TILT_RATE_MAX)
-    p_sent, q_sent, r_sent = (
-        min(max(p, -p_most), p_most), min(max(q, -q_most), q_most), min(max(r, -r_most), r_most)
-    )  # fmt: skip
+    p_sent, q_sent, r_sent = clamped(p, -p_most, p_most), clamped(q, -q_most, q_most), clamped(r, -r_most, r_most)
     return LimitedRates((p_sent, q_sent, r_sent), (p_sent * g, q_sent * k, r_sent), (p_sent, q_sent) != (p, q))
 
 
@@ -98,11 +96,11 @@ def limit_thrust(
 
 def clamp_thrust(wanted: float) -> float:
     """Normalised thrust within its range."""
-    return min(max(wanted, THRUST_MIN), THRUST_MAX)
+    return clamped(wanted, THRUST_MIN, THRUST_MAX)
 
 
 def levelling_rates(r_nb: Matrix3) -> Vec3:
     """rad/s that level a vehicle, without a yaw rate."""
     error_x, error_y = upright_error(r_nb)
     most = LEVEL_RATE_MAX
-    return min(max(LEVEL_GAIN * error_x, -most), most), min(max(LEVEL_GAIN * error_y, -most), most), 0.0
+    return clamped(LEVEL_GAIN * error_x, -most, most), clamped(LEVEL_GAIN * error_y, -most, most), 0.0

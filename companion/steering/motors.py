@@ -36,7 +36,7 @@ from companion.estimation.motor_estimate import (
 )
 from companion.estimation.predictor import ForceModel, PredictedState
 from companion.estimation.rate_loop_model import recent_commands, thrust_transition
-from companion.frames import Vec3, rotation_matrix, upright_error
+from companion.frames import Vec3, clamped, rotation_matrix, upright_error
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.law.speed_scale import UNITY, SpeedScale
@@ -138,16 +138,14 @@ class MotorSteering:
         command = ask(self.law, self.hold, _flying(predicted, extension, forces, aim), aim)
         torque = self._torque(memory, command, predicted.w_b, timing)
         allocated = self.allocation.allocate((extension.zeta / forces.thrust_scale, *torque))
-        return self._steered(
-            memory._replace(governor=governor), aim, command, extension, allocated, capability, timing, dt
-        )
+        return self._steered(memory, governor, aim, command, extension, allocated, forces, capability, timing, dt)
 
     def learn(self, memory: MotorMemory) -> MotorMemory:
         """See Steering."""
         estimate = memory.estimate
         if estimate.motion.pending is None:
             return memory
-        return memory._replace(estimate=estimate._replace(motion=learn_motion(estimate.motion)))
+        return memory._replace(estimate=MotorEstimate(learn_motion(estimate.motion), estimate.body_state))
 
     def level(self, state: VehicleState | None, memory: MotorMemory | None = None) -> MotorSetpoint:
         """Hover thrust, and from a fresh state the torques that turn the thrust axis up and stop the turning."""
@@ -201,13 +199,12 @@ class MotorSteering:
         limits, k = self.vehicle.limits, self.rate_gain
         if limits is None:
             return torque
-        most = (min(limits.body_rates[0], TILT_RATE_MAX), min(limits.body_rates[1], TILT_RATE_MAX))
-        wanted = [w_b[i] + torque[i] / self.vehicle.inertia[i] / k for i in range(2)]
-        x, y = (
-            torque[i] + self.vehicle.inertia[i] * k * (min(max(wanted[i], -most[i]), most[i]) - wanted[i])
-            for i in range(2)
-        )
-        return x, y, torque[2]
+        (x, y, z), (jx, jy, _) = torque, self.vehicle.inertia
+        p, q = w_b[0] + x / jx / k, w_b[1] + y / jy / k
+        p_most, q_most = min(limits.body_rates[0], TILT_RATE_MAX), min(limits.body_rates[1], TILT_RATE_MAX)
+        return (
+            x + jx * k * (clamped(p, -p_most, p_most) - p), y + jy * k * (clamped(q, -q_most, q_most) - q), z
+        )  # fmt: skip
 
     def _torque(self, memory: MotorMemory, command: Command, w_b: Vec3, timing: Timing) -> Vec3:
         """Trim, relax: N m to command, without what turns the body anyway.
@@ -228,11 +225,11 @@ class MotorSteering:
         )  # fmt: skip
 
     def _steered(
-        self, memory: MotorMemory, aim: Aim, command: Command, extension: Extension, allocated: Allocated,
-        capability: Capability, timing: Timing, dt: float,
+        self, memory: MotorMemory, governor: SpeedScale, aim: Aim, command: Command, extension: Extension,
+        allocated: Allocated, forces: ForceModel, capability: Capability, timing: Timing, dt: float,
     ) -> Steered:  # fmt: skip
         """The extension integrated within its bounds, what came of it all, and the memory for the next step."""
-        estimate, scale = memory.estimate, self._forces(memory.estimate).thrust_scale
+        estimate, scale = memory.estimate, forces.thrust_scale
         high = capability.specific_thrust * self.vehicle.mass if self._observes else math.inf
         zeta, zeta_dot, before = memory.extension
         # as the torques: the law was asked at half a step of the last zeta_ddot
@@ -241,9 +238,12 @@ class MotorSteering:
         sent = self.allocation.wrench(allocated.commands)
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
         share = extension.zeta / scale / self.allocation.thrust_max
-        memory = memory._replace(
+        memory = MotorMemory(
+            estimate,
             commands=(*memory.commands, TimedWrench(at, sent)),
             extension=Extension(later, later_dot, zeta_ddot),
+            governor=governor,
+            delay=memory.delay,
             limited=bound or share > THRUST_NEAR_SATURATION,
             moving=is_to_move(command, aim),
         )
@@ -257,7 +257,7 @@ class MotorSteering:
             saturated=bound or allocated.saturated,
             thrust_share=share,
             converged=estimate.motion.estimator.converged or not self._observes,
-            governor=memory.governor.value,
+            governor=governor.value,
             estimates=estimates_of(estimate.motion, timing.delay, math.nan) if self._observes else None,
             rotor_left=self._rotor_left(estimate) if self._observes else 1.0,
         )

@@ -67,10 +67,11 @@ def update_path_poles(poles: PathPoles, choice: PoleChoice, rates_b: Vec3, dt: f
             scale = min(max(choice.hold_scale * _ratio(poles), choice.least), 1.0)
         return PathPoles(scale, True, last=rates_b)  # what the hold's poles made of the noise is not theirs
     poles = _looked_at(poles, rates_b, dt)
-    if not along or poles.known < ROUGHNESS_TIME:
+    if not along or poles.known < ROUGHNESS_TIME or poles.scale <= choice.least:
         return poles
     wanted = max(poles.scale * min(_ratio(poles), 1.0), choice.least)
-    return poles._replace(scale=max(wanted, poles.scale - dt / LOWERING_TIME))
+    scale = max(wanted, poles.scale - dt / LOWERING_TIME)
+    return poles if scale == poles.scale else poles._replace(scale=scale)
 
 
 def _ratio(poles: PathPoles) -> float:
@@ -82,9 +83,8 @@ def _looked_at(poles: PathPoles, rates_b: Vec3, dt: float) -> PathPoles:
     last, before = poles.last, poles.before
     if last is None or before is None or not 0.0 < dt < STEP_MAX:
         return poles._replace(last=rates_b, before=last)
-    p, q = (a - 2.0 * b + c for a, b, c in zip(rates_b[:2], last[:2], before[:2], strict=True))
+    p, q = rates_b[0] - 2.0 * last[0] + before[0], rates_b[1] - 2.0 * last[1] + before[1]
     square = 0.5 * (p * p + q * q) / SECOND_DIFFERENCE
     k = dt / min(ROUGHNESS_TIME, poles.known + dt)
-    return poles._replace(
-        roughness=poles.roughness + k * (square - poles.roughness), known=poles.known + dt, last=rates_b, before=last
-    )
+    roughness = poles.roughness + k * (square - poles.roughness)
+    return PathPoles(poles.scale, poles.begun, roughness, poles.known + dt, rates_b, last)

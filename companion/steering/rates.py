@@ -34,7 +34,7 @@ from companion.estimation.vehicle_estimate import (
     predict_vehicle,
     restart_estimate,
 )
-from companion.frames import Heading, Quaternion, Vec3, rotation_matrix
+from companion.frames import Heading, Quaternion, Vec3, clamped, rotation_matrix
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
@@ -67,6 +67,7 @@ from companion.steering.timing import Timing
 from companion.steering.yaw import (
     USUAL_THRUST_PER_RATE,
     ThrustPerRate,
+    YawMemory,
     YawRequest,
     compensate_yaw,
     update_derivative,
@@ -132,11 +133,21 @@ class RateSteering:
         rates = self._limit_rates(memory.estimate, command, yaw_rate)
         setpoint = self._encode(memory, rates, thrust, timing)
         # every other step is often enough for a derivative
-        yaw = memory.yaw._replace(pending=YawRequest(flying, command, aim) if memory.yaw.pending is None else None)
-        along = isinstance(aim, Along)
-        poles = update_path_poles(memory.poles, self.pole_choice, rates.sent, dt, along=along)
-        memory = memory._replace(governor=governor, yaw=yaw, poles=poles)
-        return self._steered(memory, setpoint, aim, command, rates, thrust, timing)
+        pending = YawRequest(flying, command, aim) if memory.yaw.pending is None else None
+        estimate, limited = memory.estimate, rates.saturated or thrust.saturated
+        at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
+        memory = RateMemory(
+            estimate,
+            commands=(*memory.commands, TimedCommand(at, rates.meant, thrust.specific)),
+            zeta=thrust.zeta,
+            governor=governor,
+            yaw=YawMemory(memory.yaw.derivative, pending),
+            poles=update_path_poles(memory.poles, self.pole_choice, rates.sent, dt, along=isinstance(aim, Along)),
+            delay=memory.delay,
+            limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
+            moving=is_to_move(command, aim),
+        )
+        return self._steered(memory, setpoint, command, thrust, timing, saturated=limited)
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
@@ -231,7 +242,8 @@ class RateSteering:
         """Yaw compensation: the yaw rate to command (rad/s)."""
         (p, q, wanted), (wp, wq, wr) = command.turn, predicted.w_b
         if self.vehicle.limits is not None:
-            wanted = min(max(wanted, -self.vehicle.limits.body_rates[2]), self.vehicle.limits.body_rates[2])
+            most = self.vehicle.limits.body_rates[2]
+            wanted = clamped(wanted, -most, most)
         most = self.vehicle.mass * capability.specific_thrust
         authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, abs(p - wp) + abs(q - wq), self.per_rate)
         loop = yaw_loop(memory.estimate.rate_loop.yaw_lag, timing.lag, timing.smoothing)
@@ -252,18 +264,11 @@ class RateSteering:
         return self.encoding.setpoint(rates.sent, thrust.sent, q_nb)
 
     def _steered(
-        self, memory: RateMemory, setpoint: Setpoint, aim: Aim, command: Command, rates: LimitedRates,
-        thrust: LimitedThrust, timing: Timing,
+        self, memory: RateMemory, setpoint: Setpoint, command: Command, thrust: LimitedThrust, timing: Timing, *,
+        saturated: bool,
     ) -> Steered:  # fmt: skip
-        """What came of it, and the memory for the next step."""
-        estimate, limited = memory.estimate, rates.saturated or thrust.saturated
-        at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
-        memory = memory._replace(
-            commands=(*memory.commands, TimedCommand(at, rates.meant, thrust.specific)),
-            zeta=thrust.zeta,
-            limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
-            moving=is_to_move(command, aim),
-        )
+        """What came of it. ``memory``: for the next step."""
+        estimate = memory.estimate
         return Steered(
             setpoint=setpoint,
             memory=memory,
@@ -271,11 +276,15 @@ class RateSteering:
             zeta=thrust.zeta,
             zeta_dot=thrust.zeta_dot,
             thrust_n=thrust.newtons,
-            saturated=limited,
+            saturated=saturated,
             thrust_share=thrust.sent,
             converged=estimate.motion.estimator.converged,
             governor=memory.governor.value,
-            estimates=estimates_of(estimate.motion, timing.delay, timing.lag - timing.smoothing)._replace(
-                yaw_lag=estimate.rate_loop.yaw_lag, path_pole=self.path_pole * memory.poles.scale
+            estimates=estimates_of(
+                estimate.motion,
+                timing.delay,
+                timing.lag - timing.smoothing,
+                estimate.rate_loop.yaw_lag,
+                self.path_pole * memory.poles.scale,
             ),
         )

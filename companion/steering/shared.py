@@ -59,10 +59,15 @@ def is_to_move(command: Command, aim: Aim) -> bool:
     return isinstance(aim, Along) and abs(command.alpha * command.end_scale * aim.speed_scale.value) > MOVING_SPEED_MIN
 
 
-def estimates_of(motion: MotionEstimate, delay: float, lag: float) -> Estimates:
-    """For the record. ``delay``: s, the dead time. ``lag``: s, of the rate loop; NaN without one."""
+def estimates_of(
+    motion: MotionEstimate, delay: float, lag: float, yaw_lag: float = math.nan, path_pole: float = math.nan
+) -> Estimates:
+    """For the record. ``delay``: s, the dead time. ``lag``: s, of the rate loop; NaN without one. ``yaw_lag``,
+    ``path_pole``: see Estimates."""
     belief = motion.estimator.belief
-    return Estimates(belief.thrust_scale, belief.drag, belief.disturbance_n, belief.bias_n, delay, lag)
+    return Estimates(
+        belief.thrust_scale, belief.drag, belief.disturbance_n, belief.bias_n, delay, lag, yaw_lag, path_pole
+    )
 
 
 def learned_of(motion: MotionEstimate, hover_thrust: float, rate_lag: float) -> Learned | None:

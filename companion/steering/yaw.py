@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from companion.estimation.rate_loop_model import YAW_LAG, YAW_TORQUE_LAG
 from companion.estimation.translation import acceleration
-from companion.frames import Heading, Vec3, turned, wrap
+from companion.frames import Heading, Vec3, clamped, turned, wrap
 from companion.law.errors import LawError
 from companion.law.flight import Command, Flying
 from companion.steering.limits import THRUST_MAX
@@ -135,14 +135,14 @@ def compensate_yaw(
     ``authority``: rad/s of yaw rate error.
     """
     acceleration = derivative + loop.error_rate * (wanted - predicted)
-    error = min(max(loop.lag * acceleration, -authority), authority)
+    error = clamped(loop.lag * acceleration, -authority, authority)
     return predicted - trim + error
 
 
 def update_derivative(yaw: YawMemory, derivative: float, dt: float) -> YawMemory:
     """``yaw`` with the derivative (rad/s^2) smoothed, ``dt`` s after the last state; it is taken every other one."""
     k = min(1.0, 2.0 * dt / DERIVATIVE_TIME)
-    return yaw._replace(derivative=yaw.derivative + k * (derivative - yaw.derivative))
+    return YawMemory(yaw.derivative + k * (derivative - yaw.derivative), yaw.pending)
 
 
 def yaw_rate_derivative(
