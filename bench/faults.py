@@ -46,7 +46,8 @@ def main() -> None:
     only = [level for level in LEVELS if f"--{level.value}" in sys.argv]
     jobs = int(sys.argv[1]) if sys.argv[1:2] and sys.argv[1].isdigit() else os.cpu_count() or 1
     if "--case" in sys.argv:
-        found = [told(row, always=True) for row in rows(flights_of(cases_named(sys.argv[-1]), only or LEVELS), jobs)]
+        cases = cases_named(sys.argv[sys.argv.index("--case") + 1])
+        found = [told(row, always=True) for row in rows(flights_of(cases, only or LEVELS), jobs)]
         raise SystemExit(any(row.wrong for row in found))
     journal = Journal(JOURNAL, commit())
     if "--udp" in sys.argv:

@@ -10,11 +10,13 @@ import pytest
 from companion.daemon import preparing
 from companion.flight.phases import PHASES, Phase
 from companion.vehicle import OutputLevel
+from trials.faults import table
 from trials.faults.case import Case
 from trials.faults.deck import DECK
 from trials.faults.deck.seen import SEEN
 from trials.faults.flying import fly
 from trials.faults.fuzz import tried
+from trials.faults.table import flown_over_udp
 from trials.faults.verdict import wrong
 
 OTHERS = [
@@ -44,6 +46,17 @@ def test_the_deck_has_what_it_needs() -> None:
     assert len(DECK) >= 60
     assert len({case.name for case in DECK}) == len(DECK)
     assert {name for names in SEEN.values() for name in names} <= {case.name for case in DECK}
+
+
+def test_a_vehicle_s_process_that_dies_is_a_row_and_no_end_to_the_flights_after_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def die(*_: object) -> None:
+        raise EOFError
+
+    monkeypatch.setattr(table, "fly_over_udp", die)
+    row = flown_over_udp(DECK[0], OutputLevel.RATES)
+    assert row.udp and row.ended == "an exception" and row.wrong == ("EOFError",)
 
 
 @pytest.mark.parametrize("case", DECK, ids=lambda case: case.name)

@@ -54,6 +54,7 @@ def fly_over_udp(case: Case, level: OutputLevel) -> tuple[Flight, float]:
     near, far = multiprocessing.get_context("spawn").Pipe()
     plant = multiprocessing.get_context("spawn").Process(target=vehicle, args=(case, level, port.local, far))
     plant.start()
+    far.close()  # the plant's end: where it dies, ``recv`` tells
     try:
         first = near.recv()
         conductor = Conductor(orders_of(case, level), None, clock())

@@ -71,11 +71,15 @@ class Row(NamedTuple):
 def flown(case: Case, level: OutputLevel) -> Row:
     """Fly a case at a level."""
     try:
-        flight = fly(case, level)
+        return _row(fly(case, level))
     except Exception:
-        line = traceback.format_exc().strip().splitlines()[-1]
-        return Row(case.name, level, "an exception", math.inf, 0.0, 0.0, None, "", (line,))
-    return _row(flight)
+        return _failed(case, level)
+
+
+def _failed(case: Case, level: OutputLevel) -> Row:
+    """The row of a flight that the exception at hand has ended."""
+    line = traceback.format_exc().strip().splitlines()[-1]
+    return Row(case.name, level, "an exception", math.inf, 0.0, 0.0, None, "", (line,))
 
 
 def _row(flight: Flight) -> Row:
@@ -88,7 +92,10 @@ def _row(flight: Flight) -> Row:
 
 def flown_over_udp(case: Case, level: OutputLevel) -> Row:
     """Fly a case at a level over UDP, in real time."""
-    flight, behind = fly_over_udp(case, level)
+    try:
+        flight, behind = fly_over_udp(case, level)
+    except Exception:
+        return _failed(case, level)._replace(udp=True)
     if behind > BEHIND:
         print(f"{case.name}, {level.value}: the plant slipped {behind:.1f} s behind: the machine is busy")
     return _row(flight)._replace(udp=True)
