@@ -222,7 +222,7 @@ def fly(
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, flying.output_in(start, output, xrce), given=given))
     faults.collect(lambda: check_record(record))
     key = None if signing_key is None else faults.collect(lambda: read_key(signing_key))
-    shared = faults.collect(lambda: tuple(map(parsed_endpoint, forward or ()))) or ()
+    shared = faults.collect(lambda: tuple(map(parsed_endpoint, forward or ())), "--forward") or ()
     log = faults.collect(lambda: flying.log_address(connect, signed=signing_key is not None)) if fetch_log else None
     faults.raise_any()
     assert sortie is not None and open_port is not None

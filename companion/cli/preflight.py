@@ -16,7 +16,7 @@ from companion.places.words import words_of_place
 from companion.plain_text import printable
 from companion.services.audit import Finding, Weight, audit_parameters
 from companion.services.plan_check import differences
-from companion.services.vehicle import ConnectedVehicle, ServiceError, connect_vehicle
+from companion.services.vehicle import ConnectedVehicle, NoVehicleHeardError, ServiceError, connect_vehicle
 
 POINTS = 60
 """of the curve that is uploaded for the ground station's map."""
@@ -24,16 +24,16 @@ POINTS = 60
 
 def preflight(url: str, sortie: Sortie | None, *, upload: bool, as_json: bool) -> int:
     """Look, and upload where asked to; the exit code: 1 where something is not to be flown with."""
-    with connect_vehicle(url) as vehicle:
-        if vehicle is None:
-            say(f"no vehicle: no autopilot was heard on {url} within 10 s; is it on, and does it send here?")
-            return NO_VEHICLE
-        try:
+    try:
+        with connect_vehicle(url) as vehicle:
             findings = audit_parameters(vehicle.parameters())
             rate = vehicle.state_rate()
             words = [] if sortie is None else _place(vehicle, sortie, upload)
-        except (ServiceError, PlaceError) as error:
-            return refuse(str(error), as_json)
+    except NoVehicleHeardError as error:
+        say(str(error))
+        return NO_VEHICLE
+    except (ServiceError, PlaceError) as error:
+        return refuse(str(error), as_json)
     dangers = [finding for finding in findings if finding.weight is Weight.DANGER]
     slow = rate < RATE_WANTED
     if as_json:

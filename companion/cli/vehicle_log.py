@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from companion.cli.terminal import say
 from companion.daemon.last_resort import error_words
 from companion.services.log_files import fetch_log
-from companion.services.vehicle import NoVehicleHeardError, connect_vehicle
+from companion.services.vehicle import connect_vehicle
 from companion.vehicle import CompanionError
 
 if TYPE_CHECKING:
@@ -30,8 +30,6 @@ def fetch_newest_log(url: str, folder: Path) -> Path:
             say(f"fetching the vehicle's log ... {done / 1e3:.0f} of {whole / 1e3:.0f} kB")
 
     with connect_vehicle(url) as vehicle:
-        if vehicle is None:
-            raise NoVehicleHeardError(f"no vehicle: no autopilot was heard on {url} within 10 s")
         return fetch_log(vehicle, folder, progress)
 
 

@@ -19,21 +19,21 @@ from companion.identification.from_log import Findings, better_log, identified, 
 from companion.identification.parameters import described
 from companion.identification.ulog import Log
 from companion.identification.ulog import read as read_log
-from companion.services.vehicle import ServiceError, connect_vehicle
+from companion.services.vehicle import NoVehicleHeardError, ServiceError, connect_vehicle
 
 
 def from_px4(url: str, file: Path, mass: float | None, arm: float | None, force: bool) -> int:
     """Ask the vehicle at ``url`` and write ``file``; the exit code."""
     writable("FILE", file, force)
-    with connect_vehicle(url) as vehicle:
-        if vehicle is None:
-            say(f"no vehicle: no autopilot was heard on {url} within 10 s; is it on, and does it send here?")
-            return NO_VEHICLE
-        say("reading its parameters")
-        try:
+    try:
+        with connect_vehicle(url) as vehicle:
+            say("reading its parameters")
             values, identity = vehicle.parameters(), vehicle.identity()
-        except ServiceError as error:
-            return refuse(str(error), as_json=False, what="nothing written")
+    except NoVehicleHeardError as error:
+        say(str(error))
+        return NO_VEHICLE
+    except ServiceError as error:
+        return refuse(str(error), as_json=False, what="nothing written")
     origin = (f"Made by companion vehicle from on {datetime.date.today()}, of {identity}.",)
     return keep(described(values, name=file.stem, origin=origin, mass=mass, arm=arm), file)
 

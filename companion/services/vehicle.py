@@ -155,8 +155,8 @@ class ConnectedVehicle:
 
 
 @contextmanager
-def connect_vehicle(url: str) -> Iterator[ConnectedVehicle | None]:
-    """The vehicle at an address; None where no autopilot is heard. CompanionError: the address cannot be opened."""
+def connect_vehicle(url: str) -> Iterator[ConnectedVehicle]:
+    """The vehicle at an address. ServiceError: it cannot be opened; NoVehicleHeardError: nobody is heard there."""
     from mavsdk import ComponentType, Configuration, Mavsdk
     from mavsdk.connection_result import ConnectionResult
     from mavsdk.logging import log_subscribe
@@ -169,7 +169,12 @@ def connect_vehicle(url: str) -> Iterator[ConnectedVehicle | None]:
         if result != ConnectionResult.SUCCESS:
             raise ServiceError(f"{url} cannot be opened ({result}); is it in use by another program?")
         system = sdk.first_autopilot(HEARTBEAT_WITHIN)
-        yield None if system is None else ConnectedVehicle(system)
+        if system is None:
+            raise NoVehicleHeardError(
+                f"no vehicle: no autopilot was heard on {url} within {HEARTBEAT_WITHIN:g} s; is it on, and does it "
+                "send here?"
+            )
+        yield ConnectedVehicle(system)
     finally:
         sdk.destroy()
 

@@ -16,7 +16,9 @@ from mavsdk.plugins.action import Action
 from mavsdk.plugins.param import Param
 from mavsdk.plugins.telemetry import Telemetry
 from pymavlink import mavutil
+from typer.testing import CliRunner
 
+from companion.cli.commands import app
 from companion.daemon.forwarding import (
     DOWN_MAX,
     SETPOINTS,
@@ -191,6 +193,11 @@ def test_what_is_no_endpoint_is_answered_in_one_line(url: str) -> None:
     with pytest.raises(AddressError) as error:
         parsed_endpoint(url)
     assert "expected" in str(error.value) and "\n" not in str(error.value)
+
+
+def test_the_fault_is_the_option_s_own() -> None:
+    result = CliRunner().invoke(app, ["fly", "circle_r5", "--connect", "udpin://127.0.0.1:1", "--forward", "14550"])
+    assert str(result.exception).startswith("--forward: '14550' is no endpoint")
 
 
 @pytest.mark.xdist_group("real time")
