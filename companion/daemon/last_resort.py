@@ -17,7 +17,7 @@ from typing import TypeVar
 from companion import pilot
 from companion.daemon.asked_of_vehicle import COMMANDS
 from companion.daemon.conductor import Conductor
-from companion.flight.asking import Asking, update_asking
+from companion.flight.asking import FRESH_LOST, Asking, update_asking
 from companion.flight.conduct import ControlAuthority
 from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import Phase, Request
@@ -27,8 +27,6 @@ from companion.vehicle import Mode, Setpoint, VehicleState
 
 ASKING = 1.4
 """s for which HOLD is asked for, three times at most (``flight.asking``)."""
-STATUS_FRESH = 0.3
-"""s that a status may be old for a mode to be asked for because of it."""
 RESTORING = 2.0
 """s for the parameters that were set for the flight to be set back."""
 STEP = 0.02
@@ -125,7 +123,7 @@ class LastResort:
         status = self._conductor.telemetry.status.known(now)
         if self._restoring_since is not None:
             self._try(self._conductor.preparation.report_restored)
-        elif since > ASKING or (not ours and status.mode_age < STATUS_FRESH < since):
+        elif since > ASKING or (not ours and status.mode_age < FRESH_LOST < since):
             self._restoring_since = now
             self._try(lambda: self._conductor.preparation.restore(now))
         elif ours:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from companion.daemon.orders import Orders
 from companion.flight import geometry, output
-from companion.flight.conduct import TILT_MARGIN, Conduct, ControlAuthority, caught
+from companion.flight.conduct import Conduct, ControlAuthority, caught
 from companion.frames import Vec3
 from companion.geodesy import LocalFrame
 from companion.mavlink.link import Identity, Link
@@ -19,7 +19,7 @@ from companion.paths.arc import ArcTable
 from companion.places.origins import NotKnownError, VehicleLocation, placed
 from companion.places.words import words_of_place
 from companion.plan import Plan, prepared
-from companion.vehicle import CompanionError, Landed, OutputLevel, Tuning, Vehicle, VehicleState
+from companion.vehicle import TILT_MARGIN, CompanionError, Landed, OutputLevel, Tuning, Vehicle, VehicleState
 from companion.xrce.commands import Commands
 
 PLACE_WITHIN = 30.0

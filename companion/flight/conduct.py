@@ -86,8 +86,6 @@ def from_dict(values: dict[str, Any]) -> Conduct:
     return Conduct(**{**values, "authority": authority, "finish": finish, "limits": limits})
 
 
-TILT_MARGIN = math.radians(2.0)
-"""rad that our own tilt guard stays under the vehicle's failure detector. Engineering choice."""
 CAUGHT_TILT = math.radians(50.0)
 """rad from which PX4's Hold caught a vehicle on motors twice, falling 0.7 and 1.6 m. Flown on PX4."""
 OVER = math.radians(5.0)

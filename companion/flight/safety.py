@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 from companion.flight import conditions
 from companion.flight.conditions import SafetyInputs
-from companion.flight.conduct import TILT_MARGIN, Limits
+from companion.flight.conduct import Limits
 from companion.flight.link_needs import BY_RATE_LOOP, SLOW_RATE, WITHOUT_RATE_LOOP
+from companion.vehicle import TILT_MARGIN
 
 
 class Action(enum.IntEnum):

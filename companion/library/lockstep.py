@@ -14,12 +14,7 @@ from companion.mavlink.peer import Received
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
 from sim_bridge.strangers import source
-from sim_bridge.world_events import XRCE
-
-COMPANION_ENDPOINT = 0
-"""The bridge's endpoint for the companion."""
-GROUND_STATION_ENDPOINT = 1
-"""The bridge's endpoint for the ground station."""
+from sim_bridge.world_events import COMPANION, GROUND_STATION, XRCE
 
 
 def fly(
@@ -35,7 +30,7 @@ def fly(
     ``survive``: what escapes a tick is caught as the real-time loop catches it, and what ended the flight then is
     returned; else it is raised.
     """
-    conductor.link.peers.call(COMPANION_ENDPOINT)
+    conductor.link.peers.call(COMPANION)
     begun = bridge.now
     flown: Conductor | LastResort = conductor
     while not flown.done and bridge.now - begun < time_out:
@@ -81,7 +76,7 @@ def _arrived(conductor: Conductor, bridge: Bridge, now: float) -> list[Received]
             if endpoint == XRCE:
                 if xrce is not None:
                     xrce.receive(data, now)
-            elif endpoint != GROUND_STATION_ENDPOINT:
+            elif endpoint != GROUND_STATION:
                 found.append((data, source(endpoint, bridge.ports_dialled)))
         answers = [] if xrce is None else xrce.datagrams(now)
         if not answers:
@@ -94,5 +89,5 @@ def _send(conductor: Conductor, flown: Conductor | LastResort, bridge: Bridge) -
     """What goes to the vehicle, where it was last met."""
     to = conductor.link.peers.to
     for datagram in flown.datagrams():
-        if to == source(COMPANION_ENDPOINT, bridge.ports_dialled):
-            bridge.receive(datagram, COMPANION_ENDPOINT)
+        if to == source(COMPANION, bridge.ports_dialled):
+            bridge.receive(datagram, COMPANION)

@@ -19,11 +19,8 @@ from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
 from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
 from companion.thrust_range import thrust_range_of
-from companion.vehicle import Vehicle
+from companion.vehicle import TILT_MARGIN, Vehicle
 
-TILT_MARGIN = math.radians(2.0)
-"""rad: the steady tilt of a path may be so much over the vehicle's limit, and stays so much under its failure
-detector. Engineering choice."""
 TILT_MAX = math.radians(80.0)
 """rad, of a vehicle without a limit: its tangent is still a number. Engineering choice."""
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from companion.vehicle.machine import (
     GRAVITY,
+    TILT_MARGIN,
     CompanionError,
     Limits,
     MotorInterface,
@@ -41,6 +42,7 @@ from companion.vehicle.state import (
 
 __all__ = [
     "GRAVITY",
+    "TILT_MARGIN",
     "AttitudeSetpoint",
     "CompanionError",
     "Fact",

@@ -58,6 +58,11 @@ class Limits:
     failure_detector: float = math.radians(60.0)
 
 
+TILT_MARGIN = math.radians(2.0)
+"""rad that both what is asked for and our own guard stay under the vehicle's failure detector; and that the steady tilt
+of a path may be over its limit. Engineering choice."""
+
+
 class MotorInterface(enum.Enum):
     """Who mixes: ``PX4`` takes rates or attitudes and mixes itself; ``DIRECT`` takes motor commands."""
 

@@ -23,7 +23,8 @@ from companion.pilot import Outcome, begin, completed
 from companion.plan import Plan, prepared
 from companion.record.replay import load_flight, replay
 from companion.vehicle import OutputLevel
-from tests.support.flights import GROUND_STATION, Flown, Operator, flight
+from sim_bridge.world_events import GROUND_STATION
+from tests.support.flights import Flown, Operator, flight
 
 ME = (1, 191)
 

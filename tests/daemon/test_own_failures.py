@@ -32,6 +32,7 @@ from companion.daemon.rhythm import Rhythm
 from companion.daemon.scribe import PERIOD, Helper, Scribe
 from companion.library import simulation as simulate
 from companion.mavlink.codec import Decoder, Frame
+from companion.mavlink_common import MAV_CMD_COMPONENT_ARM_DISARM, MAV_CMD_DO_SET_MODE, MAV_CMD_NAV_TAKEOFF
 from companion.mission import Origin
 from companion.plan import law_level
 from companion.record import growing
@@ -53,7 +54,7 @@ from tests.support.flights import Flown, Operator, flight, once
 
 pytestmark = pytest.mark.xdist_group("real time")
 LEVEL = 82  # SET_ATTITUDE_TARGET
-SET_MODE = 176
+SET_MODE = MAV_CMD_DO_SET_MODE
 
 
 def sim(folder: Path, *words: str) -> Result:
@@ -148,7 +149,7 @@ def test_a_failure_on_the_ground_commands_nothing(tmp_path: Path, monkeypatch: p
     asked = {
         f.format.named(f.values)["command"] for _, f in sent(tmp_path / "flight") if f.format.name == "COMMAND_LONG"
     }
-    assert not asked & {SET_MODE, 400, 22}
+    assert not asked & {SET_MODE, MAV_CMD_COMPONENT_ARM_DISARM, MAV_CMD_NAV_TAKEOFF}
 
 
 def test_a_failure_after_the_operator_took_over_is_not_his(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,8 @@ import pytest
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import FORMATS, Format, Value
 from companion.vehicle import OutputLevel
-from tests.support.flights import COMPANION, Flown, flight
+from sim_bridge.world_events import COMPANION
+from tests.support.flights import Flown, flight
 
 EXTREMES = {
     "f": (0.0, math.nan, math.inf, -math.inf, 3.4e38, -3.4e38, 1e-45, 1.0),

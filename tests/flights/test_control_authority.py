@@ -13,12 +13,19 @@ from companion.flight.phases import Phase
 from companion.frames import quaternion_from_euler
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import message
+from companion.mavlink_common import (
+    MAV_CMD_COMPONENT_ARM_DISARM,
+    MAV_CMD_DO_SET_MODE,
+    MAV_CMD_NAV_LAND,
+    MAV_CMD_NAV_TAKEOFF,
+)
 from companion.pilot import completed, epilogue
 from companion.vehicle import Landed, Mode, OutputLevel
 from companion.world import Start
 from tests.support.flights import Flown, Operator, flight, once
 
-SET_MODE, HOLD, OFFBOARD = 176, (1.0, 4.0, 3.0), (1.0, 6.0, 0.0)
+SET_MODE, HOLD, OFFBOARD = MAV_CMD_DO_SET_MODE, (1.0, 4.0, 3.0), (1.0, 6.0, 0.0)
+ASKED_BY_US = {SET_MODE, MAV_CMD_COMPONENT_ARM_DISARM, MAV_CMD_NAV_TAKEOFF, MAV_CMD_NAV_LAND}
 
 
 def phases(flown: Flown) -> list[str]:
@@ -137,7 +144,7 @@ def test_the_pilot_begins_leaves_and_comes_back() -> None:
     assert phases(flown) == [
         "stand by", "settle", "join", "follow", "stand by", "settle", "join", "follow", "stand by", "done",
     ]  # fmt: skip
-    assert not commands(flown) & {SET_MODE, 400, 22, 21}
+    assert not commands(flown) & ASKED_BY_US
     before = [setpoint for now, setpoint in flown.setpoints if now < 1.0]
     assert len(before) > 50
     assert all(setpoint.rates_b == (0.0, 0.0, 0.0) for setpoint in before)  # type: ignore[union-attr]
@@ -159,7 +166,7 @@ def test_when_the_pilots_time_is_over_it_is_held_until_he_takes_it() -> None:
     assert memory is not None
     assert completed(memory), flown.notes
     assert phases(flown)[-2:] == ["hand back", "done"]
-    assert not commands(flown) & {SET_MODE, 400, 22, 21}
+    assert not commands(flown) & ASKED_BY_US
     assert math.hypot(*flown.between.truth.v_n) < 0.3
 
 
@@ -168,7 +175,7 @@ def test_on_the_ground_the_pilots_offboard_does_not_take_off() -> None:
         operator = Operator(flown.between.bridge)
         if math.isclose(now, 7.0, abs_tol=1e-6):
             operator.commands(SET_MODE, *OFFBOARD)
-            operator.commands(400, 1.0)
+            operator.commands(MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
         if math.isclose(now, 9.0, abs_tol=1e-6):
             flown.conductor.stop()
 
@@ -189,7 +196,7 @@ def test_a_dry_run_commands_nothing(from_ground: bool) -> None:
     assert completed(memory), flown.notes
     assert phases(flown) == ["rehearse", "done"]
     assert not flown.setpoints
-    assert not commands(flown) & {SET_MODE, 400, 22, 21}
+    assert not commands(flown) & ASKED_BY_US
     assert flown.conductor.last is not None
     assert memory.steering.steered is not None  # but the law was asked
 

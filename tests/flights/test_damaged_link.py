@@ -7,7 +7,8 @@ import random
 import pytest
 
 from companion.vehicle import OutputLevel
-from tests.support.flights import COMPANION, Flown, flight
+from sim_bridge.world_events import COMPANION
+from tests.support.flights import Flown, flight
 from trials.damaged_datagrams import mutated
 
 STRANGER = 9

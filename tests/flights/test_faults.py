@@ -32,7 +32,8 @@ from companion.world.events import (
     Silence,
     When,
 )
-from tests.support.flights import COMPANION, GROUND_STATION, Flown, Operator, flight, once
+from sim_bridge.world_events import COMPANION, GROUND_STATION
+from tests.support.flights import Flown, Operator, flight, once
 
 FLOOR = 5.0
 """m above the ground that no fault here may cost: the paths lie at 10 m and more."""

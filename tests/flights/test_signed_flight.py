@@ -7,7 +7,8 @@ from pathlib import Path
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import message
 from companion.mavlink.signing import SIGNED, Signing
-from tests.support.flights import COMPANION, Flown, flight
+from sim_bridge.world_events import COMPANION
+from tests.support.flights import Flown, flight
 from tests.support.signing import KEY, OTHER
 
 EPOCH = 1.79e9

@@ -23,7 +23,8 @@ from companion.mission import Origin
 from companion.vehicle import Mode, OutputLevel
 from companion.world import World
 from companion.world.events import PortChange, When
-from tests.support.flights import COMPANION, Flown, flight
+from sim_bridge.world_events import COMPANION
+from tests.support.flights import Flown, flight
 
 STRANGER = 7
 """An endpoint that is neither the vehicle's nor the ground station's."""

@@ -9,10 +9,10 @@ from companion.mavlink.key_setup import KeySetup
 from companion.mavlink.signing import SETUP_SIGNING, Signing
 from companion.world import World
 from sim_bridge.bridge import Bridge
+from sim_bridge.world_events import COMPANION
 from tests.support.signing import KEY, OTHER
 
 EPOCH = 1.79e9
-COMPANION = 0
 
 
 def given(bridge: Bridge, key: bytes = KEY, seconds: float = 12.0) -> tuple[KeySetup, list[bytes]]:

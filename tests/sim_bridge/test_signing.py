@@ -10,9 +10,9 @@ from companion.mavlink.dialect import Value, message
 from companion.mavlink.signing import SIGNED, Signing
 from companion.world import World
 from sim_bridge.bridge import Bridge
+from sim_bridge.world_events import COMPANION, GROUND_STATION
 from tests.support.signing import KEY, OTHER
 
-COMPANION, GROUND_STATION = 0, 1
 STAMP = 10**12
 
 

@@ -25,9 +25,7 @@ from companion.world import Start, World
 from sim_bridge.autopilot.xrce import Release
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
-from sim_bridge.world_events import XRCE
-
-COMPANION, GROUND_STATION = 0, 1
+from sim_bridge.world_events import COMPANION, GROUND_STATION, XRCE
 
 
 class Between:

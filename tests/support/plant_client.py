@@ -8,12 +8,26 @@ from companion.config.vehicle import load_vehicle
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Value, message
 from companion.mavlink.modes import Mode
+from companion.mavlink_common import (
+    MAV_CMD_COMPONENT_ARM_DISARM,
+    MAV_CMD_DO_SET_MODE,
+    MAV_CMD_GET_MESSAGE_INTERVAL,
+    MAV_CMD_NAV_LAND,
+    MAV_CMD_NAV_RETURN_TO_LAUNCH,
+    MAV_CMD_NAV_TAKEOFF,
+    MAV_CMD_REQUEST_MESSAGE,
+    MAV_CMD_SET_MESSAGE_INTERVAL,
+    MAV_COMP_ID_MISSIONPLANNER,
+    MAV_COMP_ID_ONBOARD_COMPUTER,
+)
 from companion.world import World
 from sim_bridge.bridge import Bridge
 
 ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED, FAILED = range(5)
-ARM, SET_MODE, TAKEOFF, LAND, RETURN = 400, 176, 22, 21, 20
-SET_INTERVAL, GET_INTERVAL, REQUEST = 511, 510, 512
+ARM, SET_MODE = MAV_CMD_COMPONENT_ARM_DISARM, MAV_CMD_DO_SET_MODE
+TAKEOFF, LAND, RETURN = MAV_CMD_NAV_TAKEOFF, MAV_CMD_NAV_LAND, MAV_CMD_NAV_RETURN_TO_LAUNCH
+SET_INTERVAL, GET_INTERVAL = MAV_CMD_SET_MESSAGE_INTERVAL, MAV_CMD_GET_MESSAGE_INTERVAL
+REQUEST = MAV_CMD_REQUEST_MESSAGE
 NAN = float("nan")
 
 
@@ -32,7 +46,7 @@ class Client:
     def __init__(self, vehicle: str = "x500", world: World | None = None, **options: Any) -> None:
         self.bridge = Bridge(load_vehicle(vehicle), world or World(), **options)
         self.heard: list[Heard] = []
-        self._encoders = (Encoder(1, 191), Encoder(255, 190))
+        self._encoders = (Encoder(1, MAV_COMP_ID_ONBOARD_COMPUTER), Encoder(255, MAV_COMP_ID_MISSIONPLANNER))
         self._decoders = (Decoder(), Decoder())
         self._heartbeat_at: float | None = None
 

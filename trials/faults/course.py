@@ -11,36 +11,27 @@ from dataclasses import dataclass, field
 from companion import pilot
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
+from companion.daemon.asked_of_vehicle import WANTED
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.conduct import Conduct
 from companion.flight.phases import Phase
 from companion.library.simulation import start_of
-from companion.mavlink.dialect import BY_NAME
-from companion.mavlink.link import WANTED as LINK_WANTED
-from companion.mavlink.telemetry import WANTED
 from companion.mission import Mission, Origin
 from companion.plan import law_level
 from companion.profiles import ConstantSpeed
 from companion.vehicle import Mode, MotorInterface, OutputLevel, Vehicle
 from companion.world import Start, World
 from companion.world.events import Event, Operator
-from sim_bridge.autopilot.mavlink.stream_table import TABLE
-from sim_bridge.autopilot.mavlink.streams import STOPPED
 from sim_bridge.bridge import Bridge
 from trials.faults.case import Begin, Case, Strike
 from trials.faults.traffic import Traffic
 
-COMPANION_ENDPOINT = 0
 BESIDE = (8.0, -5.0)
 """m north of the path's beginning, and m down: where a flight that joins for a while begins."""
 OURS = frozenset({Mode.OFFBOARD, Mode.HOLD})
 """The modes in which the height that is lost counts: what we fly, and what we hand back to."""
 NO_VEHICLE_AFTER = 20.0
 """s without an identity after which ``fly`` ends with exit code 3 at the latest."""
-UNWANTED = frozenset(
-    BY_NAME[name].id for name in TABLE
-) - WANTED - LINK_WANTED  # fmt: skip
-"""Streams the companion does not read: left out, a flight is computed in three quarters of the time."""
 
 
 @dataclass(frozen=True)
@@ -180,10 +171,8 @@ def bridge_of(case: Case, level: OutputLevel, seed: int) -> Bridge:
     events = () if case.phase is not None else case.events
     bridge = Bridge(
         vehicle_of(level), World(name="faults", link=case.link, events=events), seed=seed,
-        direct=level is OutputLevel.MOTORS, start=start, landed=start is None, endpoints=1,
+        direct=level is OutputLevel.MOTORS, start=start, landed=start is None, endpoints=1, only=WANTED,
     )  # fmt: skip
-    for msgid in UNWANTED:
-        bridge.links[COMPANION_ENDPOINT].set_interval(msgid, STOPPED)
     bridge.autopilot.parameters.update({"COM_OBL_RC_ACT": 5, **case.parameters})
     return bridge
 

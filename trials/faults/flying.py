@@ -8,9 +8,9 @@ from companion.vehicle import OutputLevel
 from companion.world.events import Event
 from sim_bridge.bridge import Bridge
 from sim_bridge.strangers import source
+from sim_bridge.world_events import COMPANION, GROUND_STATION
 from trials.faults.case import Case, shifted
 from trials.faults.course import (
-    COMPANION_ENDPOINT,
     NO_VEHICLE_AFTER,
     OURS,
     Course,
@@ -22,8 +22,6 @@ from trials.faults.course import (
 )
 from trials.faults.mutation import Mutator
 from trials.faults.traffic import Traffic
-
-GROUND_STATION_ENDPOINT = 1
 
 
 def fly(case: Case, level: OutputLevel, seed: int = 0) -> Flight:
@@ -93,12 +91,12 @@ class Sortie:
                 break
 
     def _arrived(self) -> list[tuple[bytes, int]]:
-        own = source(COMPANION_ENDPOINT, self.bridge.ports_dialled)
+        own = source(COMPANION, self.bridge.ports_dialled)
         mutate = self._mutator
         arrived = [
             (data if mutate is None else mutate(data), source(endpoint, self.bridge.ports_dialled))
             for endpoint, data in self.bridge.datagrams()
-            if endpoint != GROUND_STATION_ENDPOINT
+            if endpoint != GROUND_STATION
         ]
         for data, sender in arrived:
             if sender == own:
@@ -110,8 +108,8 @@ class Sortie:
         to = self.conductor.link.peers.to
         for data in self.conductor.datagrams():
             self.flight.traffic.say(data, now)
-            if to == source(COMPANION_ENDPOINT, self.bridge.ports_dialled):
-                self.bridge.receive(data, COMPANION_ENDPOINT)
+            if to == source(COMPANION, self.bridge.ports_dialled):
+                self.bridge.receive(data, COMPANION)
 
     def _look(self) -> None:
         """What the companion does now; what is due because of it."""

@@ -7,6 +7,7 @@ import math
 import random
 from collections.abc import Callable, Iterator
 
+from companion import mavlink_common as c
 from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.phases import Phase
 from companion.vehicle import OutputLevel
@@ -30,6 +31,14 @@ TIME_OUT = 450.0
 """s in which a flight must be over: the longest phases wait 300 s, for a vehicle that flies home in a failsafe."""
 LONGEST = 12.0
 """s that a fault lasts at most, where it ends."""
+QUADROTOR = (c.MAV_COMP_ID_AUTOPILOT1, c.MAV_TYPE_QUADROTOR, c.MAV_AUTOPILOT_PX4)
+FIXED_WING = (c.MAV_COMP_ID_AUTOPILOT1, c.MAV_TYPE_FIXED_WING, c.MAV_AUTOPILOT_PX4)
+COMPANION = (c.MAV_COMP_ID_ONBOARD_COMPUTER, c.MAV_TYPE_ONBOARD_CONTROLLER, c.MAV_AUTOPILOT_INVALID)
+GROUND_STATION = (c.MAV_COMP_ID_MISSIONPLANNER, c.MAV_TYPE_GCS, c.MAV_AUTOPILOT_INVALID)
+"""Component, type and autopilot of who speaks on a link."""
+TYPES = (c.MAV_TYPE_FIXED_WING, c.MAV_TYPE_QUADROTOR, c.MAV_TYPE_GROUND_ROVER, c.MAV_TYPE_HEXAROTOR)
+AUTOPILOTS = (c.MAV_AUTOPILOT_ARDUPILOTMEGA, c.MAV_AUTOPILOT_INVALID, c.MAV_AUTOPILOT_PX4)
+"""What the vehicle may say of itself all at once."""
 FAILSAFES = (5.0, 5.0, 4.0, 0.0)
 """COM_OBL_RC_ACT: hold, land, position (which is return without sticks)."""
 
@@ -117,7 +126,14 @@ def _operator(rng: random.Random) -> Event:
 
 def _stranger(rng: random.Random) -> Event:
     system, component, kind, autopilot = rng.choice(
-        ((1, 1, 2, 12), (2, 1, 2, 12), (1, 191, 18, 8), (9, 191, 18, 8), (255, 190, 6, 8), (3, 1, 1, 12))
+        (
+            (1, *QUADROTOR),
+            (2, *QUADROTOR),
+            (1, *COMPANION),
+            (9, *COMPANION),
+            (255, *GROUND_STATION),
+            (3, *FIXED_WING),
+        )
     )
     says = frozenset(rng.sample(tuple(e.Saying), rng.choice((1, 2, 3))))
     own_port = (system == 1 and component == 1) or rng.random() < 0.5
@@ -142,7 +158,7 @@ EVENTS: tuple[Callable[[random.Random], Event], ...] = (
     lambda rng: e.OffsetState(_when(rng), _vector(rng, 10.0), _vector(rng, 2.0), rng.uniform(-math.pi, math.pi)),
     lambda rng: e.WrongStamps(_when(rng), rng.choice(tuple(e.Stamps))),
     lambda rng: e.OdometryFrames(_when(rng), rng.choice((0, 1, 4, 18)), rng.choice((1, 8, 12, 255))),
-    lambda rng: e.Impostor(_when(rng), rng.choice((1, 2, 10, 13)), rng.choice((3, 8, 12))),
+    lambda rng: e.Impostor(_when(rng), rng.choice(TYPES), rng.choice(AUTOPILOTS)),
     lambda rng: e.EstimatorReset(_once(rng), _vector(rng, 8.0), yaw=rng.gauss(0.0, 0.5), counted=rng.random() < 0.5),
     lambda rng: e.ClockJump(_once(rng), rng.choice((0.1, 0.3, 3.0, 1000.0, -0.1, -3.0))),
     lambda rng: e.MotorFailure(_when(rng), rng.choice((1, 2, 3, 4, None)), rng.uniform(0.0, 1.0)),

@@ -8,7 +8,12 @@ from companion.frames import euler_from_rotation, rotation_matrix, tilt
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Value, message
 from companion.mavlink.modes import Mode
-from companion.mavlink_common import MAV_FRAME_LOCAL_NED
+from companion.mavlink_common import (
+    MAV_CMD_DO_SET_MODE,
+    MAV_COMP_ID_AUTOPILOT1,
+    MAV_COMP_ID_ONBOARD_COMPUTER,
+    MAV_FRAME_LOCAL_NED,
+)
 from companion.vehicle import Vehicle
 from companion.world import Start, World
 from sim_bridge.bridge import Bridge
@@ -28,7 +33,7 @@ def fly(
     """The track from the beginning of the timetable on: the true one, or as the vehicle believes."""
     first = course.at(0.0)
     bridge = Bridge(vehicle, world, seed=seed, start=Start.hover(first.p_n), endpoints=1)
-    encoder = Encoder(1, 191)
+    encoder = Encoder(1, MAV_COMP_ID_ONBOARD_COMPUTER)
     track: list[Sample] = []
     due = begun = bridge.now
     while bridge.now - begun < STREAM_FIRST + seconds:
@@ -66,11 +71,11 @@ def _setpoint(course: Course, t: float) -> dict[str, Value]:
         (("afx", "afy", "afz"), moment.a_n),
     ):
         fields |= dict(zip(names, values, strict=True))
-    return {**fields, "target_system": 1, "target_component": 1}
+    return {**fields, "target_system": 1, "target_component": MAV_COMP_ID_AUTOPILOT1}
 
 
 def _offboard() -> dict[str, Value]:
     return {
-        "command": 176, "param1": 1.0, "param2": float(Mode.OFFBOARD.main), "param3": float(Mode.OFFBOARD.sub),
-        "target_system": 1, "target_component": 1,
+        "command": MAV_CMD_DO_SET_MODE, "param1": 1.0, "param2": float(Mode.OFFBOARD.main), "param3": float(Mode.OFFBOARD.sub),
+        "target_system": 1, "target_component": MAV_COMP_ID_AUTOPILOT1,
     }  # fmt: skip

@@ -4,6 +4,17 @@ that comes back from another port."""
 from __future__ import annotations
 
 from companion.flight.phases import Phase
+from companion.mavlink_common import (
+    MAV_AUTOPILOT_ARDUPILOTMEGA,
+    MAV_AUTOPILOT_INVALID,
+    MAV_COMP_ID_MISSIONPLANNER,
+    MAV_COMP_ID_ONBOARD_COMPUTER,
+    MAV_TYPE_FIXED_WING,
+    MAV_TYPE_GCS,
+    MAV_TYPE_GROUND_ROVER,
+    MAV_TYPE_ONBOARD_CONTROLLER,
+    MAV_TYPE_QUADROTOR,
+)
 from companion.world.events import Impostor, LinkCut, Order, PortChange, Saying, Stranger, When
 from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End
 
@@ -11,7 +22,9 @@ BEAT = frozenset({Saying.HEARTBEAT})
 STATE = frozenset({Saying.STATE})
 MODE = frozenset({Saying.MODE, Saying.HEARTBEAT})
 ALL = frozenset(Saying)
-COMPANION = {"component": 191, "type": 18, "autopilot": 8}
+COMPANION = {
+    "component": MAV_COMP_ID_ONBOARD_COMPUTER, "type": MAV_TYPE_ONBOARD_CONTROLLER, "autopilot": MAV_AUTOPILOT_INVALID
+}  # fmt: skip
 ELSEWHERE = (50.0, 0.0, 3.0)
 
 IN_FLIGHT = tuple(
@@ -23,9 +36,10 @@ IN_FLIGHT = tuple(
         ("another port, our ids", "everything", Stranger(When(1.0), says=ALL, mode=Order.LAND, position_n=ELSEWHERE)),
         ("another port, system 2", "everything", Stranger(When(1.0), 2, says=ALL, mode=Order.LAND)),
         ("the vehicle's port, system 2", "everything", Stranger(When(1.0), 2, says=ALL, mode=Order.LAND, own_port=False)),
-        ("the vehicle's port, a fixed wing", "everything", Stranger(When(1.0), 3, type=1, says=ALL, own_port=False)),
+        ("the vehicle's port, a fixed wing", "everything", Stranger(When(1.0), 3, type=MAV_TYPE_FIXED_WING, says=ALL, own_port=False)),
         ("the vehicle's port, a ground station", "heartbeats",
-         Stranger(When(1.0), 255, 190, 6, 8, own_port=False, says=BEAT)),
+         Stranger(When(1.0), 255, MAV_COMP_ID_MISSIONPLANNER, MAV_TYPE_GCS, MAV_AUTOPILOT_INVALID, own_port=False,
+                  says=BEAT)),
         ("the vehicle's port, a companion of system 9", "heartbeats",
          Stranger(When(1.0), 9, own_port=False, **COMPANION)),
         ("another port, a companion of system 9", "heartbeats", Stranger(When(1.0), 9, **COMPANION)),
@@ -40,17 +54,17 @@ BEFORE = (
     Case("a second vehicle on the vehicle's port before the flight", End.REFUSED, "two", begin=Begin.ON_THE_GROUND, levels=BEFORE_FLIGHT,
          events=(Stranger(When(1.0), 2, says=BEAT, own_port=False),)),
     Case("a fixed wing on another port before the flight", End.FLOWN, begin=Begin.ON_THE_GROUND, duration=1.0,
-         events=(Stranger(When(1.0), 2, type=1, says=BEAT),)),
+         events=(Stranger(When(1.0), 2, type=MAV_TYPE_FIXED_WING, says=BEAT),)),
     Case("a companion of system 9 before the flight", End.FLOWN, duration=2.0,
          events=(Stranger(When(0.0), 9, own_port=False, **COMPANION),)),
     Case("another companion of our system in flight", End.HELD, "another companion", phase=Phase.FOLLOW,
          events=(Stranger(When(1.0), 1, own_port=False, **COMPANION),)),
     *(Case(f"the vehicle is a {name}", End.REFUSED, name, begin=begin, levels=BEFORE_FLIGHT, events=(Impostor(When(0.0), kind),))
-      for kind, name in ((1, "fixed wing"), (10, "rover"))
+      for kind, name in ((MAV_TYPE_FIXED_WING, "fixed wing"), (MAV_TYPE_GROUND_ROVER, "rover"))
       for begin in (Begin.ON_THE_GROUND,)),
     Case("the vehicle's autopilot is not PX4", End.REFUSED, "PX4", begin=Begin.ON_THE_GROUND, levels=BEFORE_FLIGHT,
-         events=(Impostor(When(0.0), 2, 3),)),
-    Case("heartbeats of a rover in flight", End.FLOWN, phase=Phase.FOLLOW, events=(Impostor(When(1.0), 10),)),
+         events=(Impostor(When(0.0), MAV_TYPE_QUADROTOR, MAV_AUTOPILOT_ARDUPILOTMEGA),)),
+    Case("heartbeats of a rover in flight", End.FLOWN, phase=Phase.FOLLOW, events=(Impostor(When(1.0), MAV_TYPE_GROUND_ROVER),)),
 )  # fmt: skip
 
 OTHER_PORT = (
