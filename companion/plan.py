@@ -143,10 +143,10 @@ def _steering(
     path_pole: float | None,
 ) -> Steering:
     lag = None if learned is None else learned.rate_lag
+    highest_gain = max(gains.h1[-1], default_gains(law_level(level)).h1[-1])  # the hold's law has the usual gains
     if law_level(level) is Level.MOTORS:
         prior = prior_of(learned, vehicle.weight / vehicle.thrust_max, vehicle.drag)
-        rate_gain = max(gains.h1[-1], default_gains(Level.MOTORS).h1[-1])
-        motors = motor_steering(law, hold, vehicle, prior, rate_gain, course, lag)
+        motors = motor_steering(law, hold, vehicle, prior, highest_gain, course, lag)
         return motors if level is OutputLevel.MOTORS else torque_steering(motors)
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
@@ -160,6 +160,7 @@ def _steering(
         hover,
         prior,
         gains.h4[0],
+        highest_gain,
         course,
         lag,
         heading,

@@ -38,6 +38,7 @@ def rate_steering(
     hover_thrust: float,
     prior: Prior,
     yaw_gain: float,
+    tilt_gain: float,
     course: Course | None = None,
     lag: float | None = None,
     heading: Heading = Heading.PROJECTED,
@@ -45,10 +46,10 @@ def rate_steering(
     path_pole: float | None = None,
     yaw_lag: float | None = None,
 ) -> RateSteering:
-    """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields.
-    ``lag``: s, of its rate loop as last found; None: as its file says. ``per_rate``: what rate errors take of
-    the motors' range. ``path_pole``: 1/s, of h1 and h2 where they were chosen; None: they are as written.
-    ``yaw_lag``: s, of its yaw loop as last found; None: a usual one."""
+    """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``tilt_gain``: 1/s, the law's largest on the tilt.
+    ``course``: what lies ahead; None: the speed never yields. ``lag``: s, of its rate loop as last found; None: as its
+    file says. ``per_rate``: what rate errors take of the motors' range. ``path_pole``: 1/s, of h1 and h2 where they
+    were chosen; None: they are as written. ``yaw_lag``: s, of its yaw loop as last found; None: a usual one."""
     whole = max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing
     rate_loop = alike(whole, vehicle.motor_lag, yaw_lag or usual_yaw_lag(vehicle.rate_loop_lag))
     return RateSteering(
@@ -61,6 +62,7 @@ def rate_steering(
         prior=prior,
         encoding=encoding,
         yaw_gain=yaw_gain,
+        tilt_gain=tilt_gain,
         course=course,
         tan_tilt_max=tan_tilt_max(vehicle),
         lag=rate_loop.lag if lag is None else lag + encoding.smoothing,

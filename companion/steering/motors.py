@@ -35,7 +35,7 @@ from companion.estimation.motor_estimate import (
     trust_state,
 )
 from companion.estimation.predictor import ForceModel, PredictedState
-from companion.estimation.rate_loop_model import recent_commands, thrust_transition
+from companion.estimation.rate_loop_model import recent_commands
 from companion.frames import Vec3, clamped, rotation_matrix, upright_error
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
@@ -207,19 +207,12 @@ class MotorSteering:
         )  # fmt: skip
 
     def _torque(self, memory: MotorMemory, command: Command, w_b: Vec3, timing: Timing) -> Vec3:
-        """Trim, relax: N m to command, without what turns the body anyway.
-
-        The law is asked at a horizon at which this very command has already turned the body for a while; the predictor
-        holds the last one instead. u = law(x(u)) is therefore solved by a step of relaxation from the last command:
-        with the gain k on the body rates and b s of turning per body acceleration, x(u) - x(last) = b (u - last), and
-        what is left of an error after a step is none in the directions of that gain. Without it the loop over the last
-        command has the gain -k b: at poles of -6, -6, -6, -14 and a motor lag of 50 ms it swings at every step.
-        """
+        """Trim, relax: N m to command, without what turns the body anyway. Not relaxed, poles of -6, -6, -6, -14 and a
+        motor lag of 50 ms swing at every step."""
         (u2, u3, u4), (jx, jy, jz) = self._within_rates(command.turn, w_b), self.vehicle.inertia
         tp, tq, tr = memory.estimate.body_state.trim
         _, l2, l3, l4 = memory.commands[-1].wrench
-        acting = timing.hold + timing.lag
-        ratio = 1.0 / (1.0 + self.rate_gain * (acting - (thrust_transition(timing.lag, acting)[1] * acting)))
+        ratio = timing.relaxation(self.rate_gain)
         return (
             l2 + ratio * (u2 - jx * tp - l2), l3 + ratio * (u3 - jy * tq - l3), l4 + ratio * (u4 - jz * tr - l4)
         )  # fmt: skip

@@ -89,10 +89,10 @@ class RateSteering:
     ``range``: of zeta. ``rate_loop``: by the vehicle file, ``lag``: s, as last found. ``hover_thrust``: normalised, by
     PX4 or the file.
     ``prior``: of what is estimated. ``encoding``: what is sent; what it smooths makes the rate loop so much later.
-    ``yaw_gain``: 1/s, of h4. ``course``: what lies ahead; None: the speed never yields. ``tan_tilt_max``: of the
-    steepest tilt. ``heading``: whose heading h4 is. ``per_rate``: what rate errors take of the motors' range.
-    ``path_pole``: 1/s, of h1 and h2 as recorded where they were chosen, and ``pole_choice`` how far they may be
-    lowered.
+    ``yaw_gain``: 1/s, of h4. ``tilt_gain``: 1/s, the law's largest on the tilt. ``course``: what lies ahead; None: the
+    speed never yields. ``tan_tilt_max``: of the steepest tilt. ``heading``: whose heading h4 is. ``per_rate``: what
+    rate errors take of the motors' range. ``path_pole``: 1/s, of h1 and h2 as recorded where they were chosen, and
+    ``pole_choice`` how far they may be lowered.
     """
 
     law: Law
@@ -104,6 +104,7 @@ class RateSteering:
     prior: Prior
     encoding: Encoding
     yaw_gain: float
+    tilt_gain: float
     course: Course | None = None
     tan_tilt_max: float = math.inf
     lag: float = 0.06
@@ -130,7 +131,7 @@ class RateSteering:
         command = self._ask(flying, aim)
         thrust = self._limit_thrust(memory, command, capability, timing, dt)
         yaw_rate = self._compensate_yaw(memory, command, predicted, thrust, capability, timing)
-        rates = self._limit_rates(memory.estimate, command, yaw_rate)
+        rates = self._limit_rates(memory, command, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
         # every other step is often enough for a derivative
         pending = YawRequest(flying, command, aim) if memory.yaw.pending is None else None
@@ -250,9 +251,12 @@ class RateSteering:
         trim = memory.estimate.rate_loop_state.yaw_trim
         return compensate_yaw(loop, wanted, memory.yaw.derivative, wr, trim, authority)
 
-    def _limit_rates(self, estimate: VehicleEstimate, command: Command, yaw_rate: float) -> LimitedRates:
-        """Limits, body rates. The rate loop of a vehicle that is restrained must not wind up."""
-        p, q, _ = command.turn
+    def _limit_rates(self, memory: RateMemory, command: Command, yaw_rate: float, timing: Timing) -> LimitedRates:
+        """Relax, limits: body rates. The rate loop of a vehicle that is restrained must not wind up. Not relaxed, poles
+        of -6, -6, -6 swing up within a second at 17 states a second."""
+        estimate, (p, q, _), last = memory.estimate, command.turn, memory.commands[-1].rates_b
+        ratio = timing.relaxation(self.tilt_gain)
+        p, q = last[0] + ratio * (p - last[0]), last[1] + ratio * (q - last[1])
         turn: Vec3 = (0.0, 0.0, 0.0) if estimate.motion.estimator.restrained else (p, q, yaw_rate)
         return limit_rates(turn, estimate.identification.gains, self.vehicle.limits)
 

@@ -93,11 +93,11 @@ IN_PIECES = (
     Case("bytes gathered for 20 ms", End.FLOWN, events=(LinkRecut(When(0.0), size=1400, wait=0.02),)),
     Case("bytes cut into datagrams of 77, from the ground", End.FLOWN, begin=Begin.ON_THE_GROUND, duration=1.0,
          events=(LinkRecut(When(0.0), size=77),)),
-    Case("14 states a second", End.FLOWN, "14 states a second", or_end=(End.REFUSED,), begin=Begin.ON_THE_GROUND,
+    Case("14 states a second", End.REFUSED, "14 states a second", begin=Begin.ON_THE_GROUND,
          events=(LinkThin(When(0.0), up=False, messages=ODOMETRY, rate=14.0),)),
     Case("6 states a second", End.REFUSED, "6 states a second", levels=BEFORE_FLIGHT, begin=Begin.ON_THE_GROUND,
          events=(LinkThin(When(0.0), up=False, messages=ODOMETRY, rate=6.0),)),
-    Case("14 states a second from the middle of the path on", End.FLOWN, or_end=(End.HELD,), phase=Phase.FOLLOW,
+    Case("14 states a second from the middle of the path on", End.FLOWN, phase=Phase.FOLLOW,
          events=(LinkThin(When(2.0), up=False, messages=ODOMETRY, rate=14.0),)),
 )  # fmt: skip
 
