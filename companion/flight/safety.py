@@ -10,7 +10,7 @@ from typing import NamedTuple
 from companion.flight import conditions
 from companion.flight.conditions import SafetyInputs
 from companion.flight.conduct import Limits
-from companion.flight.link_needs import BY_RATE_LOOP, SLOW_RATE, WITHOUT_RATE_LOOP
+from companion.flight.link_needs import BY_RATE_LOOP, WITHOUT_RATE_LOOP
 from companion.vehicle import TILT_MARGIN
 
 
@@ -207,7 +207,7 @@ ROWS: tuple[Row, ...] = (
         "end what else runs on the computer, or ask for fewer states",
     ),
     Row(
-        f"fewer than {SLOW_RATE:g} states a second",
+        f"fewer than {BY_RATE_LOOP.rate:g} states a second ({WITHOUT_RATE_LOOP.rate:g} at motors and torques)",
         conditions.slow,
         1.0,
         Action.HAND_BACK,
