@@ -37,32 +37,32 @@ def live_document(conductor: Conductor, now: float) -> dict[str, Any] | None:
     said: dict[str, Any] = {"phase": memory.phase.value, "fault": memory.first_fault}
     if state is not None:
         said |= {
-            "p_n": _rounded(state.p_n),
-            "v_n": _rounded(state.v_n),
-            "yaw_deg": _rounded(math.degrees(euler_from_rotation(state.r_nb)[0])),
-            "tilt_deg": _rounded(math.degrees(state.tilt)),
+            "p_n": _round(state.p_n),
+            "v_n": _round(state.v_n),
+            "yaw_deg": _round(math.degrees(euler_from_rotation(state.r_nb)[0])),
+            "tilt_deg": _round(math.degrees(state.tilt)),
         }
         if memory.path.follow_from is not None:
-            said["follow_s"] = _rounded(state.t_boot - memory.path.follow_from)
+            said["follow_s"] = _round(state.t_boot - memory.path.follow_from)
     if memory.path.progress is not None:
-        said |= {"path_error_m": _rounded(memory.path.progress.path_error), "s_m": _rounded(memory.path.progress.s)}
+        said |= {"path_error_m": _round(memory.path.progress.path_error), "s_m": _round(memory.path.progress.s)}
     steered = tick.outcome.steered
     if steered is not None:
         speed = steered.command.speed * (-1.0 if memory.path.leg < 0.0 else 1.0)
         said |= {
-            "speed_mps": _rounded(speed),
-            "speed_error_mps": _rounded(speed - steered.command.alpha),
-            "yaw_error_deg": _rounded(math.degrees(yaw_error(steered))),
-            "thrust_n": _rounded(steered.thrust_n),
+            "speed_mps": _round(speed),
+            "speed_error_mps": _round(speed - steered.command.alpha),
+            "yaw_error_deg": _round(math.degrees(yaw_error(steered))),
+            "thrust_n": _round(steered.thrust_n),
         }
     said["guards"] = guards(tick, plan)
     said["link"] = {
-        "age_s": None if memory.state_at is None else _rounded(now - memory.state_at),
-        "round_trip_s": _rounded(tick.observation.link_delay),
-        "rate_hz": _rounded(tick.observation.rate),
+        "age_s": None if memory.state_at is None else _round(now - memory.state_at),
+        "round_trip_s": _round(tick.observation.link_delay),
+        "rate_hz": _round(tick.observation.rate),
     }
     status = conductor.telemetry.status.last
-    said |= {"battery": _rounded(status.battery), "armed": status.armed}
+    said |= {"battery": _round(status.battery), "armed": status.armed}
     said["mode"] = None if status.mode is None else status.mode.words
     return said
 
@@ -87,10 +87,10 @@ def guards(tick: Tick, plan: Plan) -> list[dict[str, Any]]:
     usage = [
         {
             "name": name,
-            "value": _rounded(value),
-            "limit": _rounded(limit),
+            "value": _round(value),
+            "limit": _round(limit),
             "unit": unit,
-            "used": _rounded(value / limit),
+            "used": _round(value / limit),
         }
         for name, value, limit, unit in found
         if limit > 0.0
@@ -101,10 +101,10 @@ def guards(tick: Tick, plan: Plan) -> list[dict[str, Any]]:
         usage.append(
             {
                 "name": "floor",
-                "value": _rounded(height),
-                "limit": _rounded(limits.floor),
+                "value": _round(height),
+                "limit": _round(limits.floor),
                 "unit": "m",
-                "used": _rounded(used),
+                "used": _round(used),
             }
         )
     return usage
@@ -113,7 +113,7 @@ def guards(tick: Tick, plan: Plan) -> list[dict[str, Any]]:
 def path_document(plan: Plan) -> dict[str, Any]:
     """The path in the vehicle's local frame: points north, east, down in m."""
     _, points = plan.table.samples(PATH_POINTS)
-    return {"points": [_rounded(tuple(point)) for point in points.tolist()], "closed": plan.table.closed}
+    return {"points": [_round(tuple(point)) for point in points.tolist()], "closed": plan.table.closed}
 
 
 class Publisher(Helper):
@@ -150,8 +150,8 @@ class Publisher(Helper):
                 self._stem.with_suffix(suffix).unlink()
 
 
-def _rounded(value: Any) -> Any:
+def _round(value: Any) -> Any:
     """Four decimals, and None for what JSON has no number for."""
     if isinstance(value, tuple):
-        return [_rounded(part) for part in value]
+        return [_round(part) for part in value]
     return None if value is None or not math.isfinite(value) else round(value, 4)

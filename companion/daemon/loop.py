@@ -64,7 +64,7 @@ def run(
     beside = None if xrce is None or conductor.xrce is None else XrceLink(xrce, conductor.xrce)
     if beside is not None:
         port = Beside(port, beside, clock)
-    with _undisturbed(), contextlib.closing(Service(os.environ)) as service:
+    with _without_interruptions(), contextlib.closing(Service(os.environ)) as service:
         notice = StatusFile(about(conductor.orders, port.describe(), recorder))
         teller = Teller(conductor, notice, service, say, clock)
         publisher = Publisher(conductor, teller.lines, clock)
@@ -96,7 +96,7 @@ def run(
 
 
 @contextlib.contextmanager
-def _undisturbed() -> Iterator[None]:
+def _without_interruptions() -> Iterator[None]:
     """While it lasts, neither the interpreter's other threads nor its collections come between."""
     interval = sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_INTERVAL)
@@ -164,7 +164,7 @@ class _Flight:
             self._send(arrived)
             if self._conductor.states != self._states:
                 self._states = self._conductor.states
-                self._rhythm.arrived(arrived)
+                self._rhythm.add_arrival(arrived)
                 gc.collect(0)  # now, and not in the middle of a tick
             if later:
                 flown.receive(later, arrived)

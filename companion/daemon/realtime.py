@@ -30,7 +30,7 @@ def punctual() -> Iterator[str]:
     before = os.sched_getscheduler(0), os.sched_getparam(0)
     fifo, locked = at_priority(PRIORITY), _locked()
     try:
-        yield _told(fifo, locked)
+        yield _realtime_words(fifo, locked)
     finally:
         if fifo:
             os.sched_setscheduler(0, *before)
@@ -65,7 +65,7 @@ def _is_capable(capability: int) -> bool:
     return False
 
 
-def _told(fifo: bool, locked: bool) -> str:
+def _realtime_words(fifo: bool, locked: bool) -> str:
     got = [name for name, has in ((f"SCHED_FIFO {PRIORITY}", fifo), ("locked memory", locked)) if has]
     need = [
         name

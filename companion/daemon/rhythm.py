@@ -42,7 +42,7 @@ class Rhythm:
         self.watch_until = -math.inf
         """Until when to ask the link without sleeping."""
 
-    def arrived(self, now: float) -> None:
+    def add_arrival(self, now: float) -> None:
         """A state came."""
         late, self._late = self._late, False
         self.watch_until = -math.inf

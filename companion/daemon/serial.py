@@ -30,7 +30,7 @@ class SerialPort:
 
     def __init__(self, device: str, baud: int) -> None:
         self._device, self._baud = device, baud
-        self._file: int | None = _opened(device, baud)
+        self._file: int | None = _open(device, baud)
         self._unsent = b""
         self._tried_at = 0.0
 
@@ -84,7 +84,7 @@ class SerialPort:
         if now - self._tried_at >= REOPEN_AFTER:
             self._tried_at = now
             with contextlib.suppress(AddressError):
-                self._file = _opened(self._device, self._baud)
+                self._file = _open(self._device, self._baud)
                 return
         select.select([], [], [], min(max(timeout, 0.0), REOPEN_AFTER))
 
@@ -97,7 +97,7 @@ def known_rate(baud: int) -> int:
     return int(speed)
 
 
-def _opened(device: str, baud: int) -> int:
+def _open(device: str, baud: int) -> int:
     """The open device, ours alone. AddressError: what is wrong and what to do about it."""
     speed = known_rate(baud)
     try:

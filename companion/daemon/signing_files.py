@@ -37,9 +37,9 @@ def signing_with(key: bytes, epoch: float, link: int = 0) -> Iterator[Signing]:
     if directory is None:
         raise StampsError("the time stamps of signing cannot be kept: you have no home directory; set XDG_STATE_HOME")
     file = directory / f"signing-{sha256(b'companion signing key ' + key).hexdigest()[:16]}.json"
-    signing = _recalled(key, link, file)
+    signing = _read_stamps(key, link, file)
     signing.epoch = epoch
-    if not _written(signing, file, AHEAD):
+    if not _write_stamps(signing, file, AHEAD):
         raise StampsError(
             f"the time stamps of signing cannot be kept in {file}: without them old messages could be replayed; "
             "see whose the directory is, or set XDG_STATE_HOME to one of your own"
@@ -49,7 +49,7 @@ def signing_with(key: bytes, epoch: float, link: int = 0) -> Iterator[Signing]:
     def keep() -> None:
         at_priority(HELPER_PRIORITY)
         while not over.wait(PERIOD):
-            _written(signing, file, AHEAD)
+            _write_stamps(signing, file, AHEAD)
 
     keeper = threading.Thread(target=keep, name="stamps", daemon=True)
     keeper.start()
@@ -58,16 +58,16 @@ def signing_with(key: bytes, epoch: float, link: int = 0) -> Iterator[Signing]:
     finally:
         over.set()
         keeper.join()
-        _written(signing, file, 0)
+        _write_stamps(signing, file, 0)
 
 
-def _written(signing: Signing, file: Path, ahead: int) -> bool:
+def _write_stamps(signing: Signing, file: Path, ahead: int) -> bool:
     streams = {"/".join(map(str, stream)): stamp + ahead for stream, stamp in list(signing.streams.items())}
     document = {"schema": SCHEMA, "stamp": signing.stamp + ahead, "streams": streams}
     return write_owned(file, json.dumps(document, indent=2) + "\n")
 
 
-def _recalled(key: bytes, link: int, file: Path) -> Signing:
+def _read_stamps(key: bytes, link: int, file: Path) -> Signing:
     """The stamps of the last time; from the start where there are none that make sense."""
     signing = Signing(key, link)
     try:
@@ -82,7 +82,7 @@ def _recalled(key: bytes, link: int, file: Path) -> Signing:
     return signing
 
 
-def _stamp(document: object) -> int:
-    if not isinstance(document, int) or not 0 <= document <= STAMP_MAX:
+def _stamp(value: object) -> int:
+    if not isinstance(value, int) or not 0 <= value <= STAMP_MAX:
         raise ValueError("no time stamp")
-    return document
+    return value

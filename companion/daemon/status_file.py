@@ -76,7 +76,7 @@ def read_statuses(environment: Mapping[str, str] = os.environ, *, once: bool = T
     """Every companion on this computer, the last one heard first. ``once``: those that are no more are told once."""
     found = []
     for file, owner in _files(environment):
-        document = _parsed(read_owned(file, owner))
+        document = _parse(read_owned(file, owner))
         if document is None:
             continue
         running = _is_running(document["pid"])
@@ -97,7 +97,7 @@ def own_directory(environment: Mapping[str, str]) -> Path:
     return Path(users) / "companion" if users else Path(_temporary_directory()) / f"companion-{os.getuid()}"
 
 
-def _parsed(text: str | None) -> dict[str, Any] | None:
+def _parse(text: str | None) -> dict[str, Any] | None:
     """What a file says, if a companion wrote it."""
     try:
         document = json.loads(text or "")

@@ -65,7 +65,7 @@ def propagate_body(
     total = 0.0
     for k in range(steps):
         command = active_command(commands, begin + (k + 0.5) * h).wrench
-        body_state, thrust, _ = _stepped(body_state, body, command, h)
+        body_state, thrust, _ = _step(body_state, body, command, h)
         total += thrust
     return body_state, total / steps
 
@@ -104,19 +104,19 @@ def predict_body(
     axis = body_z_axis(q_nb)
     for k in range(steps):
         command = active_command(commands, begin + (k + 0.5) * h).wrench
-        body_state, thrust, (p, q, r) = _stepped(body_state, body, command, h)
+        body_state, thrust, (p, q, r) = _step(body_state, body, command, h)
         q_nb = multiply(q_nb, from_rotation_vector((h * p, h * q, h * r)))
         old, axis = axis, body_z_axis(q_nb)
         pull = 0.5 * forces.thrust_scale * thrust / body.mass
-        thrust_n = (pull * (old[0] + axis[0]), pull * (old[1] + axis[1]), pull * (old[2] + axis[2]))
-        ax, ay, az = acceleration(thrust_n, (vx, vy, vz), forces.gravity, forces.drag, forces.disturbance_n)
+        specific_thrust_n = (pull * (old[0] + axis[0]), pull * (old[1] + axis[1]), pull * (old[2] + axis[2]))
+        ax, ay, az = acceleration(specific_thrust_n, (vx, vy, vz), forces.gravity, forces.drag, forces.disturbance_n)
         ax, ay, az = ax * damping, ay * damping, az * damping
         x, y, z = x + h * (vx + half * ax), y + h * (vy + half * ay), z + h * (vz + half * az)
         vx, vy, vz = vx + h * ax, vy + h * ay, vz + h * az
     return PredictedState((x, y, z), (vx, vy, vz), normalised(q_nb), body_state.w_b)
 
 
-def _stepped(body_state: BodyState, body: Body, command: Wrench, h: float) -> tuple[BodyState, float, Vec3]:
+def _step(body_state: BodyState, body: Body, command: Wrench, h: float) -> tuple[BodyState, float, Vec3]:
     """The state ``h`` s later, the mean thrust (N), and the body rates in the middle (rad/s)."""
     w_b, (f, u2, u3, u4), trim = body_state
     left, mean = thrust_transition(body.motor_lag, h)

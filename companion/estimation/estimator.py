@@ -161,8 +161,8 @@ def predict_measurement(belief: Belief, measurement: Measurement, forces: ForceM
     (px, py, pz), (vx, vy, vz), (fx, fy, fz) = belief.p_n, belief.v_n, measurement.specific_thrust_n
     k, h = forces.thrust_scale, measurement.dt
     half = 0.5 * h
-    thrust_n = (k * fx, k * fy, k * fz)
-    ax, ay, az = acceleration(thrust_n, (vx, vy, vz), forces.gravity, forces.drag, forces.disturbance_n)
+    specific_thrust_n = (k * fx, k * fy, k * fz)
+    ax, ay, az = acceleration(specific_thrust_n, (vx, vy, vz), forces.gravity, forces.drag, forces.disturbance_n)
     return (
         (px + h * (vx + half * ax), py + h * (vy + half * ay), pz + h * (vz + half * az)),
         (vx + h * ax, vy + h * ay, vz + h * az),

@@ -3,12 +3,12 @@
 Of each axis, and of the vehicle:
 
     P' = V + U                       P: the reported position              U' = -U / 0.5 s + noise
-    V' = g e3 - kappa F - c V + D + W                                       B' = -B / 3.5 s + noise
+    V' = g e3 - k F - c V + D + W                                       B' = -B / 3.5 s + noise
     measured:  P and V + B           D: slow disturbance, W: gusts         W' = -W / 1 s + noise
-    kappa' = c' = noise              D' = noise (level), -D / 10 s + noise (vertical)
+    k' = c' = noise                  D' = noise (level), -D / 10 s + noise (vertical)
 
 ``F``: the commanded thrust over mass, lagged by the motors, along the thrust axis (m/s^2), a mean over the step.
-``kappa``: the thrust scale, thrust made over thrust commanded (hover thrust, mass, battery). ``c``: drag over mass.
+``k``: the thrust scale, thrust made over thrust commanded (hover thrust, mass, battery). ``c``: drag over mass.
 
 ``U`` and ``B`` are the errors of the vehicle's own estimator (an EKF), as velocities: the reported position wanders
 about the true one at U, smoothly and back again; the reported velocity is wrong by B. Both are coloured. A filter that
@@ -16,9 +16,9 @@ takes them for white (or the wander for motion that stays) is biased in a closed
 reported position back to the path while its error returns by itself, so that thrust and drag seem to do more than they
 do. On a recorded circle such a filter came to 1.4 times the thrust scale and drag in a minute and believed it.
 
-In level flight kappa is hardly told from a vertical disturbance. What tells them apart is physics: air seldom pushes
+In level flight k is hardly told from a vertical disturbance. What tells them apart is physics: air seldom pushes
 a quadrotor up or down for long. So the vertical D is a process with a small stationary deviation, and what the
-horizontals do not say goes to kappa. The level D also takes the tilt error of the vehicle's estimate, g times it, which
+horizontals do not say goes to k. The level D also takes the tilt error of the vehicle's estimate, g times it, which
 is not told from a steady wind and acts like one.
 
 The covariance is full, kept in parts by what the axes have in common; a step is recorded once and printed as
@@ -65,9 +65,9 @@ PRIOR_DISTURBANCE_STD: Vec3 = (1.5, 1.5, 0.1)
 
 
 class Belief(NamedTuple):
-    """``x``: (P, V, U, B, D, W) of each axis, kappa, c. Its covariance in three parts (see ``kalman_step``): ``S``, of
-    each axis given kappa and c, an upper triangle row by row; ``G``, each axis over kappa and c, row by row; ``T``, of
-    kappa and c."""
+    """``x``: (P, V, U, B, D, W) of each axis, k, c. Its covariance in three parts (see ``kalman_step``): ``S``, of
+    each axis given k and c, an upper triangle row by row; ``G``, each axis over k and c, row by row; ``T``, of
+    k and c."""
 
     x: tuple[float, ...]
     S: tuple[float, ...]
@@ -205,8 +205,8 @@ def predict_and_update(
 ) -> tuple[Belief, Innovation]:  # fmt: skip
     """``belief`` ``dt`` s later, after a measurement of position (m) and velocity (m/s).
 
-    ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes kappa and c. ``thrust_scale_q``: 1/s, process noise of
-    kappa.
+    ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes k and c. ``thrust_scale_q``: 1/s, process noise of
+    k.
     """
     told = (STEP if learning else STEP_FROZEN)(
         dt, *specific_thrust_n, gravity, *p_n, *v_n, noise.position, noise.velocity, *noise.wander,

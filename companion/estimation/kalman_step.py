@@ -1,7 +1,7 @@
 """One step of the Kalman filter, recorded once and printed as straight-line floats. The model is in ``kalman``.
 
-North, east and down have nothing in common but the thrust scale and the drag, q = (kappa, c): with these known the
-three axes are three filters of their own. So the covariance is kept as
+North, east and down have nothing in common but the thrust scale and the drag, q = (k, c): with these known the three
+axes are three filters of their own. So the covariance is kept as
 
     S    of each axis, given q               x = x_0 + G (q - q_0) + e,  cov(e) = S
     G    of each axis, dx/dq
@@ -59,7 +59,7 @@ POSITION_Q = 1e-8
 VELOCITY_Q = 1e-4
 """m^2/s^3, process noise of V beyond D and W: the motors' noise. Engineering choice."""
 THRUST_SCALE_Q = 1e-5
-"""1/s, process noise of kappa: 2.4 % in a minute, a battery that sags. Engineering choice."""
+"""1/s, process noise of the thrust scale: 2.4 % in a minute, a battery that sags. Engineering choice."""
 DRAG_Q = 1e-4
 """1/s^3, process noise of c: a payload that turns, rotors that speed up. Engineering choice."""
 POSITION_R_MIN = 3e-4**2
@@ -82,7 +82,7 @@ class _Axis(NamedTuple):
 
 
 def _recorded(name: str, *, learning: bool) -> Function:
-    """``learning``: False freezes kappa and c; they move neither their axes nor their own covariance (Schmidt)."""
+    """``learning``: False freezes k and c; they move neither their axes nor their own covariance (Schmidt)."""
     tape = Tape()
     (dt,) = tape.inputs("dt")
     F = tape.inputs("fx", "fy", "fz")
@@ -92,14 +92,14 @@ def _recorded(name: str, *, learning: bool) -> Function:
     levels = [tape.inputs(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
     (scale_q,) = tape.inputs("qk")
     states = [tape.inputs(*(f"x{axis}{i}" for i in range(PER_AXIS))) for axis in range(AXES)]
-    kappa, c = tape.inputs("kappa", "c")
+    scale, c = tape.inputs("k", "c")
     upper = [tape.inputs(*(f"s{axis}{i}{j}" for i, j in UPPER)) for axis in range(AXES)]
     slopes = [tape.inputs(*(f"g{axis}{i}{k}" for i in range(PER_AXIS) for k in "kc")) for axis in range(AXES)]
     tkk, tkc, tcc = tape.inputs("tkk", "tkc", "tcc")
     T: Matrix = [[tkk, tkc], [tkc, tcc]]
     Q = (scale_q * dt, DRAG_Q * dt)
     accelerations = acceleration(
-        (kappa * F[0], kappa * F[1], kappa * F[2]), _each(states, VELOCITY), g, c,
+        (scale * F[0], scale * F[1], scale * F[2]), _each(states, VELOCITY), g, c,
         _each([[*x, x[DISTURBANCE] + x[GUST]] for x in states], PER_AXIS),
     )  # fmt: skip
     axes = []
@@ -110,21 +110,21 @@ def _recorded(name: str, *, learning: bool) -> Function:
             b * (2.0 / VELOCITY_ERROR_TIME), DISTURBANCE_Q[axis], w * (2.0 / GUST_TIME),
         )  # fmt: skip
         rows, by_q = _transition(axis, dt, c), (F[axis], x[VELOCITY])
-        known = _predicted(_as_axis(x, S, G), rows, dt, accelerations[axis], by_q)
+        known = _predict(_as_axis(x, S, G), rows, dt, accelerations[axis], by_q)
         for i, noise in enumerate(noises):
             known.S[i][i] = known.S[i][i] + noise * dt
-        axes.append(_loosened(known, T, Q) if learning else known)
+        axes.append(_loosen(known, T, Q) if learning else known)
     if learning:
         T = [[tkk + Q[0], tkc], [tkc, tcc + Q[1]]]
     moved: list[Scalar] = [0.0, 0.0]
-    update = _updated if learning else _updated_frozen
+    update = _update if learning else _update_frozen
     positions = [update(known, T, moved, (POSITION,), measured[i], noise_p) for i, known in enumerate(axes)]
     both = (VELOCITY, VELOCITY_ERROR)
     velocities = [update(known, T, moved, both, measured[AXES + i], noise_v) for i, known in enumerate(axes)]
     seen = [*positions, *velocities]
     return tape.function(name, [
         *(value + (k * moved[0] + d * moved[1]) for x, _, G in axes for value, (k, d) in zip(x, G, strict=True)),
-        kappa + moved[0], c + moved[1],
+        scale + moved[0], c + moved[1],
         *(S[i][j] for _, S, _ in axes for i, j in UPPER), *(slope for _, _, G in axes for row in G for slope in row),
         T[0][0], T[0][1], T[1][1], *(residual for residual, _ in seen), *(variance for _, variance in seen),
     ])  # fmt: skip
@@ -155,8 +155,8 @@ def _transition(axis: int, dt: Scalar, c: Scalar) -> Rows:
     return rows
 
 
-def _predicted(known: _Axis, rows: Rows, dt: Scalar, a: Scalar, by_q: tuple[Scalar, Scalar]) -> _Axis:
-    """``dt`` s later: the state, P to second order; A S A^T; A G + B. ``a``: m/s^2; ``by_q``: what kappa and c take
+def _predict(known: _Axis, rows: Rows, dt: Scalar, a: Scalar, by_q: tuple[Scalar, Scalar]) -> _Axis:
+    """``dt`` s later: the state, P to second order; A S A^T; A G + B. ``a``: m/s^2; ``by_q``: what k and c take
     from it, each over its unit."""
     x, S, G = known
     later = [x[i] * rows[i][0][1] if i in rows else x[i] for i in range(PER_AXIS)]
@@ -181,7 +181,7 @@ def _combined(rows: Rows, i: int, of: list[Scalar]) -> Scalar:
     return total
 
 
-def _loosened(known: _Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> _Axis:
+def _loosen(known: _Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> _Axis:
     """Once q has moved by noise of the variances ``Q``: what of the axis went with q before goes less with it now,
 
     G' = G M,  S' = S + G M Q G^T,  M = T (T + Q)^-1, so that S + G T G^T and G T stay what they were."""
@@ -198,7 +198,7 @@ def _loosened(known: _Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> _Axis:
     return _Axis(x, S, slopes)
 
 
-def _updated(
+def _update(
     known: _Axis, T: Matrix, moved: list[Scalar], states: tuple[int, ...], measured: Scalar, noise: Scalar
 ) -> tuple[Scalar, Scalar]:
     """Innovation and variance of a measurement of the sum of ``states``; the axis, ``T`` and what q has ``moved`` by in
@@ -224,7 +224,7 @@ def _updated(
     return residual, whole
 
 
-def _updated_frozen(
+def _update_frozen(
     known: _Axis, T: Matrix, moved: list[Scalar], states: tuple[int, ...], measured: Scalar, noise: Scalar
 ) -> tuple[Scalar, Scalar]:
     """The same where q stays as it is, though not known: Joseph's form, with the gain of the axis as a whole."""
@@ -261,4 +261,4 @@ def _sum(values: list[Scalar], states: tuple[int, ...]) -> Scalar:
 STEP = _recorded("kalman", learning=True)
 """(dt, F, g, measurement, noise, state, S, G, T) -> (state, S, G, T, innovations, variances)."""
 STEP_FROZEN = _recorded("kalman_frozen", learning=False)
-"""The same without learning kappa and c."""
+"""The same without learning k and c."""

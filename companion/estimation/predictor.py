@@ -95,8 +95,8 @@ def predict(
         bx, by, bz_n = 2.0 * (qx * qz + qw * qy), 2.0 * (qy * qz - qw * qx), 1.0 - 2.0 * (qx * qx + qy * qy)
         pull = 0.5 * thrust_scale * (commanded + mean * (f - commanded))
         f = commanded + left * (f - commanded)
-        thrust_n = (pull * (ox + bx), pull * (oy + by), pull * (oz + bz_n))
-        ax, ay_n, az_n = acceleration(thrust_n, (vx, vy, vz), gravity, drag, disturbance_n)
+        specific_thrust_n = (pull * (ox + bx), pull * (oy + by), pull * (oz + bz_n))
+        ax, ay_n, az_n = acceleration(specific_thrust_n, (vx, vy, vz), gravity, drag, disturbance_n)
         ax, ay_n, az_n = ax * damping, ay_n * damping, az_n * damping
         x, y, z = x + h * (vx + half * ax), y + h * (vy + half * ay_n), z + h * (vz + half * az_n)
         vx, vy, vz = vx + h * ax, vy + h * ay_n, vz + h * az_n

@@ -47,8 +47,13 @@ PERIOD = 0.024
 GAP_MAX = 0.06
 """s without a state after which the models are reset. Engineering choice: two states of 50 Hz and one that is lost."""
 
-Turning = tuple[float, float]
-"""w, w' of one model: rad/s, rad/s^2."""
+LAG_GRID = 100.0
+"""Number: of lags an e-fold of which transitions are computed and kept. Engineering choice: a percent apart."""
+
+Model = tuple[float, float]
+"""Body rate and its derivative of one model: rad/s, rad/s^2."""
+Models = tuple[Model, Model, Model]
+"""With a shorter lag, the estimated one and a longer one."""
 
 
 class AxisEstimate(NamedTuple):
@@ -59,7 +64,7 @@ class AxisEstimate(NamedTuple):
     """
 
     lag: float
-    models: tuple[Turning, Turning, Turning]
+    models: Models
     mean_squared_errors: Vec3 = (0.0, 0.0, 0.0)
     gain: float = 1.0
     gyro_times_model: float = 0.0
@@ -94,20 +99,21 @@ class RateLoopEstimate(NamedTuple):
 
 def initial_rate_loop_estimate(lag: float, w_b: Vec3, prior: float | None = None) -> RateLoopEstimate:
     """Nothing seen yet but body rates (rad/s)."""
-    roll, pitch = (AxisEstimate(lag, _still(w)) for w in w_b[:2])
+    roll, pitch = (AxisEstimate(lag, begin_models(w)) for w in w_b[:2])
     return RateLoopEstimate(roll, pitch, lag if prior is None else prior)
 
 
 def reset(known: RateLoopEstimate, w_b: Vec3) -> RateLoopEstimate:
     """The models put back on the vehicle's body rates (rad/s); what was found stays."""
     return known._replace(
-        roll=known.roll._replace(models=_still(w_b[0])), pitch=known.pitch._replace(models=_still(w_b[1])),
+        roll=known.roll._replace(models=begin_models(w_b[0])), pitch=known.pitch._replace(models=begin_models(w_b[1])),
         ran=0.0, at=-math.inf,
     )  # fmt: skip
 
 
-def _still(w: float) -> tuple[Turning, Turning, Turning]:
-    return ((w, 0.0),) * 3
+def begin_models(rate: float) -> Models:
+    """The models on a body rate (rad/s) that does not change."""
+    return ((rate, 0.0),) * 3
 
 
 def update_rate_loop_estimate(
@@ -126,28 +132,35 @@ def update_rate_loop_estimate(
     # a while in which the models swing in
     k = dt / MEAN_TIME if ran >= SETTLING_TIME else 0.0
     roll, pitch = (
-        _compared(_advanced(axis, i, motor_lag, commands, known.at, dt), w_b[i], k)
+        _compare(
+            axis._replace(models=propagate_models(axis.models, axis.lag, motor_lag, i, commands, known.at, dt)),
+            w_b[i],
+            k,
+        )
         for i, axis in enumerate((known.roll, known.pitch))
     )
     if k > 0.0:
-        roll, pitch = _learned(roll, pitch, known.prior, dt), _learned(pitch, roll, known.prior, dt)
+        roll, pitch = _learn(roll, pitch, known.prior, dt), _learn(pitch, roll, known.prior, dt)
     return known._replace(roll=roll, pitch=pitch, ran=ran, at=now)
 
 
-def _advanced(
-    axis: AxisEstimate, index: int, motor_lag: float, commands: tuple[TimedCommand, ...], begin: float, dt: float
-) -> AxisEstimate:
-    """The models after ``dt`` s of the commands. ``index``: 0 roll, 1 pitch."""
-    # on a grid of one percent, so that the transitions are computed once
-    grid, spacing = round(100.0 * math.log(axis.lag)), round(100.0 * LOG_SPACING)
+def propagate_models(
+    models: Models, lag: float, motor_lag: float, index: int, commands: tuple[TimedCommand, ...], begin: float,
+    dt: float, grid: float = LAG_GRID,
+) -> Models:  # fmt: skip
+    """The models ``dt`` s after ``begin`` (s, the vehicle's clock), driven by the commands. ``lag``: s, of the middle
+    one, taken from a ``grid`` of so many an e-fold; ``index``: 0 roll, 1 pitch, 2 yaw."""
+    # on a grid, so that the transitions are computed once
+    middle, spacing = round(grid * math.log(lag)), round(grid * LOG_SPACING)
+    step = 1.0 / grid
     a, b, c = (
-        _propagate(model, math.exp(0.01 * (grid + k * spacing)), motor_lag, index, commands, begin, dt)
-        for k, model in zip((-1, 0, 1), axis.models, strict=True)
+        _propagate(model, math.exp(step * (middle + k * spacing)), motor_lag, index, commands, begin, dt)
+        for k, model in zip((-1, 0, 1), models, strict=True)
     )
-    return axis._replace(models=(a, b, c))
+    return (a, b, c)
 
 
-def _compared(axis: AxisEstimate, w: float, k: float) -> AxisEstimate:
+def _compare(axis: AxisEstimate, w: float, k: float) -> AxisEstimate:
     """The means after another measurement of the rate (rad/s), of which ``k`` is taken over."""
     (e1, e2, e3), ((a, _), (b, _), (c, _)) = axis.mean_squared_errors, axis.models
     return axis._replace(
@@ -159,7 +172,7 @@ def _compared(axis: AxisEstimate, w: float, k: float) -> AxisEstimate:
     )  # fmt: skip
 
 
-def _learned(axis: AxisEstimate, other: AxisEstimate, prior: float, dt: float) -> AxisEstimate:
+def _learn(axis: AxisEstimate, other: AxisEstimate, prior: float, dt: float) -> AxisEstimate:
     """Lag and gain drawn to what the means say; to the ``other`` axis's where this one hardly turns."""
     lag, gain, along = axis.lag, axis.gain, dt / ALONG_TIME
     towards = step_to_minimum(axis.mean_squared_errors)
@@ -188,9 +201,9 @@ def step_to_minimum(mean_squared_errors: Vec3) -> float:
 
 
 def _propagate(
-    model: Turning, lag: float, motor_lag: float, index: int, commands: tuple[TimedCommand, ...], begin: float,
+    model: Model, lag: float, motor_lag: float, index: int, commands: tuple[TimedCommand, ...], begin: float,
     dt: float,
-) -> Turning:  # fmt: skip
+) -> Model:  # fmt: skip
     steps = max(1, math.ceil(dt / (2.0 * STEP) - 1e-9))
     h = round(dt / steps, 6)
     step = axis_transition(lag, motor_lag, h)

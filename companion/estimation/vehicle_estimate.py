@@ -70,7 +70,7 @@ def begin_estimate(
     identification = initial_rate_loop_estimate(lag, state.w_b, rate_loop.lag)
     rate_loop_state = RateLoopState(state.w_b, (0.0, 0.0, 0.0), hovering)
     yaw_loop = initial_yaw_loop_estimate(state.w_b[2], rate_loop.yaw_lag)
-    used = _used(identification, rate_loop.motor_lag, rate_loop.yaw_lag)
+    used = _rate_loop_of(identification, rate_loop.motor_lag, rate_loop.yaw_lag)
     return VehicleEstimate(motion, rate_loop_state, identification, yaw_loop, used)
 
 
@@ -114,7 +114,7 @@ def learn_pending(estimate: VehicleEstimate, commands: Commands) -> VehicleEstim
         found = update_rate_loop_estimate(estimate.identification, motor_lag, commands, state.t_boot, state.w_b)
         yaw_loop = update_yaw_loop_estimate(estimate.yaw_loop, commands, state.t_boot, state.w_b[2])
     if found.lags != estimate.identification.lags or yaw_loop.lag != estimate.yaw_loop.lag:
-        rate_loop = _used(found, motor_lag, yaw_loop.lag)
+        rate_loop = _rate_loop_of(found, motor_lag, yaw_loop.lag)
     return VehicleEstimate(motion, estimate.rate_loop_state, found, yaw_loop, rate_loop)
 
 
@@ -134,6 +134,6 @@ def predict_vehicle(estimate: VehicleEstimate, commands: Commands, horizon: floa
     )
 
 
-def _used(found: RateLoopEstimate, motor_lag: float, yaw_lag: float) -> RateLoop:
+def _rate_loop_of(found: RateLoopEstimate, motor_lag: float, yaw_lag: float) -> RateLoop:
     roll, pitch = found.lags
     return RateLoop((round(roll, 3), round(pitch, 3)), motor_lag, round(yaw_lag, 2))

@@ -13,19 +13,14 @@ from typing import NamedTuple
 
 from companion.estimation.rate_loop_identification import (
     GAP_MAX,
-    LOG_SPACING,
     MEAN_TIME,
     PERIOD,
+    Models,
+    begin_models,
+    propagate_models,
     step_to_minimum,
 )
-from companion.estimation.rate_loop_model import (
-    STEP,
-    YAW_LAG,
-    YAW_TORQUE_LAG,
-    TimedCommand,
-    active_command,
-    axis_transition,
-)
+from companion.estimation.rate_loop_model import YAW_LAG, YAW_TORQUE_LAG, TimedCommand
 from companion.frames import Vec3
 
 FOLLOW_TIME = 1.5
@@ -38,35 +33,32 @@ choice."""
 LAG_RATIO_RANGE = (0.35, 2.0)
 """Ratio to the prior lag: no other is sought. Engineering choice: yaw from twice as weak to thrice as strong as
 usual."""
-
-Turning = tuple[float, float]
-"""r, r' of one model: rad/s, rad/s^2."""
+LAG_GRID = 20.0
+"""Number: of lags an e-fold of which transitions are computed and kept. Engineering choice: five percent apart."""
 
 
 class YawLoopEstimate(NamedTuple):
-    """``lag``: s. ``prior``: s, the lag it began with. ``models``: with shorter, this and longer lag. ``means``: rad/s,
-    of their errors, and ``variances``: (rad/s)^2. ``swing_mean``: rad/s, and ``swing``: (rad/s)^2, mean and variance of
-    the middle model's yaw rate. ``ran``: s since the last reset. ``at``: s, the vehicle's clock, of the last update."""
+    """What is known of the yaw loop."""
 
-    lag: float
-    prior: float
-    models: tuple[Turning, Turning, Turning]
-    means: Vec3 = (0.0, 0.0, 0.0)
-    variances: Vec3 = (0.0, 0.0, 0.0)
-    swing_mean: float = 0.0
-    swing: float = 0.0
-    ran: float = 0.0
-    at: float = -math.inf
+    lag: float  # s
+    prior: float  # s, the lag it began with
+    models: Models  # with shorter, this and longer lag
+    means: Vec3 = (0.0, 0.0, 0.0)  # rad/s, of their errors
+    variances: Vec3 = (0.0, 0.0, 0.0)  # (rad/s)^2, of their errors
+    swing_mean: float = 0.0  # rad/s, of the middle model's yaw rate
+    swing: float = 0.0  # (rad/s)^2, its variance
+    ran: float = 0.0  # s since the last reset
+    at: float = -math.inf  # s, the vehicle's clock, of the last update
 
 
 def initial_yaw_loop_estimate(r: float, lag: float = YAW_LAG) -> YawLoopEstimate:
     """Nothing seen yet but a yaw rate (rad/s)."""
-    return YawLoopEstimate(lag, lag, ((r, 0.0),) * 3)
+    return YawLoopEstimate(lag, lag, begin_models(r))
 
 
 def reset_yaw_loop(known: YawLoopEstimate, r: float) -> YawLoopEstimate:
     """The models put back on the vehicle's yaw rate (rad/s); what was found stays."""
-    return known._replace(models=((r, 0.0),) * 3, ran=0.0, at=-math.inf)
+    return known._replace(models=begin_models(r), ran=0.0, at=-math.inf)
 
 
 def update_yaw_loop_estimate(
@@ -78,17 +70,12 @@ def update_yaw_loop_estimate(
         return known
     if dt > GAP_MAX:
         return reset_yaw_loop(known, r)._replace(at=now)
-    # on a grid of five percent, so that the transitions are computed once
-    grid = round(20.0 * math.log(known.lag))
-    spacing = round(20.0 * LOG_SPACING)
-    a, b, c = (
-        _propagate(model, math.exp(0.05 * (grid + k * spacing)), commands, known.at, dt)
-        for k, model in zip((-1, 0, 1), known.models, strict=True)
-    )
-    known = known._replace(models=(a, b, c), ran=known.ran + dt, at=now)
-    errors = (a[0] - r, b[0] - r, c[0] - r)
+    models = propagate_models(known.models, known.lag, YAW_TORQUE_LAG, 2, commands, known.at, dt, LAG_GRID)
+    (a, _), (b, _), (c, _) = models
+    known = known._replace(models=models, ran=known.ran + dt, at=now)
+    errors = (a - r, b - r, c - r)
     if known.ran < SETTLING_TIME:
-        return known._replace(means=errors, variances=(0.0, 0.0, 0.0), swing_mean=b[0], swing=0.0)
+        return known._replace(means=errors, variances=(0.0, 0.0, 0.0), swing_mean=b, swing=0.0)
     k = dt / MEAN_TIME
     d1, d2, d3 = (error - mean for error, mean in zip(errors, known.means, strict=True))
     (m1, m2, m3), (v1, v2, v3), rest = known.means, known.variances, 1.0 - k
@@ -96,22 +83,10 @@ def update_yaw_loop_estimate(
         means=(m1 + k * d1, m2 + k * d2, m3 + k * d3),
         variances=(rest * (v1 + k * d1 * d1), rest * (v2 + k * d2 * d2), rest * (v3 + k * d3 * d3)),
     )
-    off = b[0] - known.swing_mean
+    off = b - known.swing_mean
     known = known._replace(swing_mean=known.swing_mean + k * off, swing=rest * (known.swing + k * off * off))
     if known.swing < SWING_MIN:
         return known
     towards = step_to_minimum(known.variances)
     low, high = (ratio * known.prior for ratio in LAG_RATIO_RANGE)
     return known._replace(lag=min(max(known.lag * math.exp(towards * dt / FOLLOW_TIME), low), high))
-
-
-def _propagate(model: Turning, lag: float, commands: tuple[TimedCommand, ...], begin: float, dt: float) -> Turning:
-    steps = max(1, math.ceil(dt / (2.0 * STEP) - 1e-9))
-    h = round(dt / steps, 6)
-    step = axis_transition(lag, YAW_TORQUE_LAG, h)
-    r, rd = model
-    for k in range(steps):
-        goal = active_command(commands, begin + (k + 0.5) * h).rates_b[2]
-        y = r - goal
-        r, rd = goal + step.yy * y + step.yd * rd, step.dy * y + step.dd * rd
-    return (r, rd)

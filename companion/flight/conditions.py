@@ -67,56 +67,40 @@ SINKING = 0.8
 
 
 class SafetyInputs(NamedTuple):
-    """What the rows look at.
-
-    ``following``: the path is flown now, and it was reached. ``path_error``: m. ``height``: m above the ground, None
-    where that is not known. ``fence_margin``: m to the mission's fence, inside positive. ``from_home``: m level, and
-    ``above_home`` m. ``tilt``: rad. ``tilt_error``: rad between the thrust axis and the one the law asks for.
-    ``rate_error``: rad/s between the rates asked for and flown, None where none are. ``turning``: rad/s, how fast it
-    turns, and ``turning_max`` where PX4's rate loop does not bound that. ``still``: it neither moves nor turns.
-    ``saturated``: a limit of the vehicle was met. ``thrust_share``: of the largest thrust, asked for; ``sinking``: m/s
-    downwards. ``link_delay``: s there and back, None where it is not known; ``needs``: of the link. ``jump``: m that
-    the position jumped, ``flagged`` by the estimator's reset counter. ``velocity_off`` m/s, ``rates_off`` rad/s: how
-    far position and velocity, and attitude and rates, disagree.
-    ``same_place``, ``same_attitude``: the last state repeated those of the one before, although it moves, or turns.
-    ``clock_jump``: s that the vehicle's clock ran ahead of ours since the last state. ``behind``: states that arrived
-    together with the newest and were passed over. ``rate``: Hz of states, None until measured. ``gaps``: in the states,
-    of the last while. ``companions``: others that speak on the link. ``specific_thrust_commanded``,
-    ``specific_thrust_made``: m/s^2, commanded and made; 0 where it is not followed. ``rotor_left``: see Steered.
-    """
+    """What the rows look at."""
 
     status: KnownStatus
-    following: bool = False
-    path_error: float = 0.0
-    height: float | None = None
-    fence_margin: float = math.inf
-    from_home: float | None = None
-    above_home: float | None = None
-    tilt: float = 0.0
-    tilt_error: float = 0.0
-    rate_error: float | None = None
-    turning: float = 0.0
-    still: bool = False
-    saturated: bool = False
-    thrust_share: float = 0.0
-    sinking: float = 0.0
-    link_delay: float | None = None
-    needs: LinkNeeds = BY_RATE_LOOP
-    jump: float = 0.0
-    flagged: bool = True
-    velocity_off: float = 0.0
-    rates_off: float = 0.0
-    same_place: bool = False
-    same_attitude: bool = False
-    clock_jump: float = 0.0
-    behind: int = 0
-    rate: float | None = None
-    gaps: int = 0
-    companions: int = 0
-    turning_max: float | None = None
-    specific_thrust_commanded: float = 0.0
-    specific_thrust_made: float = 0.0
-    rotor_left: float = 1.0
+    following: bool = False  # the path is flown now, and it was reached
+    path_error: float = 0.0  # m
+    height: float | None = None  # m above the ground; None where that is not known
+    fence_margin: float = math.inf  # m to the mission's fence, inside positive
+    from_home: float | None = None  # m, level
+    above_home: float | None = None  # m
+    tilt: float = 0.0  # rad
+    tilt_error: float = 0.0  # rad between the thrust axis and the one the law asks for
+    rate_error: float | None = None  # rad/s between the rates asked for and flown; None where none are
+    turning: float = 0.0  # rad/s, how fast it turns
+    still: bool = False  # it neither moves nor turns
+    saturated: bool = False  # a limit of the vehicle was met
+    thrust_share: float = 0.0  # asked for, of the largest thrust
+    sinking: float = 0.0  # m/s downwards
+    link_delay: float | None = None  # s, of a message; None where it is not known
+    needs: LinkNeeds = BY_RATE_LOOP  # of the link
+    jump: float = 0.0  # m that the position jumped
+    flagged: bool = True  # by the estimator's reset counter
+    velocity_off: float = 0.0  # m/s by which position and velocity disagree
+    rates_off: float = 0.0  # rad/s by which attitude and body rates disagree
+    same_place: bool = False  # the last state repeated the position of the one before, although it moves
+    same_attitude: bool = False  # the same of the attitude, although it turns
+    clock_jump: float = 0.0  # s that the vehicle's clock ran ahead of ours since the last state
+    behind: int = 0  # states that arrived together with the newest and were passed over
+    rate: float | None = None  # Hz of states; None until measured
+    gaps: int = 0  # in the states, of the last while
+    companions: int = 0  # others that speak on the link
+    turning_max: float | None = None  # rad/s, where PX4's rate loop does not bound turning
+    specific_thrust_commanded: float = 0.0  # m/s^2; 0 where it is not followed
+    specific_thrust_made: float = 0.0  # m/s^2
+    rotor_left: float = 1.0  # share of its thrust that the weakest rotor gives
 
 
 def missing_estimate(flags: int | None) -> str | None:

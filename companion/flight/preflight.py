@@ -25,22 +25,19 @@ RATE_WANTED = 20.0
 
 
 class PreflightInputs(NamedTuple):
-    """What is known before a flight. ``rate``: Hz of states, None until measured. ``has_state``: one has arrived,
-    ``state_age`` s ago. ``clock_rate``: s of the vehicle's clock a second of ours, None until
-    measured. ``link_delay``: s, there and back; None until measured;
-    ``needs``: of the link, at the level that is flown."""
+    """What is known before a flight."""
 
     status: KnownStatus
     authority: ControlAuthority
     finish: Finish
     limits: Limits
-    has_state: bool
-    rate: float | None
-    companions: int = 0
-    state_age: float | None = 0.0
-    clock_rate: float | None = 1.0
-    link_delay: float | None = None
-    needs: LinkNeeds = BY_RATE_LOOP
+    has_state: bool  # one has arrived
+    rate: float | None  # Hz of states; None until measured
+    companions: int = 0  # others that speak on the link
+    state_age: float | None = 0.0  # s since the last state
+    clock_rate: float | None = 1.0  # s of the vehicle's clock a second of ours; None until measured
+    link_delay: float | None = None  # s, of a message; None until measured
+    needs: LinkNeeds = BY_RATE_LOOP  # of the link, at the level that is flown
 
 
 def _state(s: PreflightInputs) -> str | None:

@@ -160,10 +160,8 @@ def _continuous(attitude: Series) -> Series:
 
 
 def _rotations(q: Array) -> Array:
-    w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
-    rows = (
-        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
-        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
-        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
-    )
-    return np.moveaxis(np.array(rows), 2, 0)
+    """Rotation matrices (n, 3, 3), body to world, of quaternions (n, 4) wxyz of any length."""
+    from scipy.spatial.transform import Rotation
+
+    matrices: Array = Rotation.from_quat(np.roll(q, -1, axis=1)).as_matrix()
+    return matrices

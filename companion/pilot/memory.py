@@ -24,32 +24,19 @@ WAKE_AFTER = 0.05
 
 
 class Observation(NamedTuple):
-    """What a tick is given.
+    """What a tick is given."""
 
-    ``state``: a new one, or None.
-    ``status``: what the vehicle says of itself, each fact with its age.
-    ``answer``: to a request, or None.
-    ``stop``: the user wants the vehicle handed back.
-    ``link_delay``: s, the round trip of a message; None until measured.
-    ``rate``: Hz of states; None until measured.
-    ``behind``: states that came together with this one and were passed over.
-    ``companions``: others that speak on the link.
-    ``speed_scale``: the factor on the mission's speed that the ground station asks for.
-    ``late``: s by which the state is older than the youngest this link has brought.
-    ``clock_rate``: s of the vehicle's clock a second of ours; None until measured.
-    """
-
-    state: VehicleState | None
-    status: VehicleStatus
-    answer: Answer | None = None
-    stop: bool = False
-    link_delay: float | None = None
-    rate: float | None = None
-    behind: int = 0
-    companions: int = 0
-    speed_scale: float = 1.0
-    late: float = 0.0
-    clock_rate: float | None = None
+    state: VehicleState | None  # a new one, or None
+    status: VehicleStatus  # what the vehicle says of itself, each fact with its age
+    answer: Answer | None = None  # to a request, or None
+    stop: bool = False  # the user wants the vehicle handed back
+    link_delay: float | None = None  # s, of a message; None until measured
+    rate: float | None = None  # Hz of states; None until measured
+    behind: int = 0  # states that came together with this one and were passed over
+    companions: int = 0  # others that speak on the link
+    speed_scale: float = 1.0  # the factor on the mission's speed that the ground station asks for
+    late: float = 0.0  # s by which the state is older than the youngest this link has brought
+    clock_rate: float | None = None  # s of the vehicle's clock a second of ours; None until measured
 
 
 class Progress(NamedTuple):
@@ -71,37 +58,25 @@ class Sums(NamedTuple):
 
 
 class StateWatch(NamedTuple):
-    """Whether states agree with each other, with the clock and with what was commanded.
+    """Whether states agree with each other, with the clock and with what was commanded."""
 
-    ``arrived_at``: s, our clock, when the last one arrived; ``late``: by so much (s).
-    ``gaps``: s, our clock, when the last gaps ended.
-    ``jump``: m that the last one lies beside where the one before led; ``flagged``: its reset counter says so.
-    ``clock_jump``: s that the vehicle's clock ran ahead of ours, or was set back.
-    ``older``: how many in a row were older than the last usable one; ``unusable``: why what came last is no state.
-    ``same_place``, ``same_attitude``: the last one repeats the one before, although it moves, or turns.
-    ``checked``: the last one that was compared; ``sums``: with those before it.
-    ``place_stands``, ``attitude_stands``: too little changed for what velocity and rates say.
-    ``velocity_off`` m/s, ``rates_off`` rad/s: how far change and velocity, change and body rates disagree.
-    ``thrust_response``: the thrust that comes of what is commanded.
-    """
-
-    arrived_at: float = 0.0
-    late: float = 0.0
-    gaps: tuple[float, ...] = ()
-    jump: float = 0.0
-    flagged: bool = False
-    clock_jump: float = 0.0
-    older: int = 0
-    unusable: str | None = None
-    same_place: bool = False
-    same_attitude: bool = False
-    checked: VehicleState | None = None
-    sums: Sums = Sums()
-    place_stands: bool = False
-    attitude_stands: bool = False
-    velocity_off: float = 0.0
-    rates_off: float = 0.0
-    thrust_response: ThrustResponse = NO_RESPONSE
+    arrived_at: float = 0.0  # s, our clock, when the last one arrived
+    late: float = 0.0  # s that it was late
+    gaps: tuple[float, ...] = ()  # s, our clock, when the last gaps ended
+    jump: float = 0.0  # m that the last one lies beside where the one before led
+    flagged: bool = False  # its reset counter says so
+    clock_jump: float = 0.0  # s that the vehicle's clock ran ahead of ours, or was set back
+    older: int = 0  # how many in a row were older than the last usable one
+    unusable: str | None = None  # why what came last is no state
+    same_place: bool = False  # the last one repeats the position of the one before, although it moves
+    same_attitude: bool = False  # the same of the attitude, although it turns
+    checked: VehicleState | None = None  # the last one that was compared
+    sums: Sums = Sums()  # of it with those before it
+    place_stands: bool = False  # too little changed for what the velocity says
+    attitude_stands: bool = False  # too little changed for what the rates say
+    velocity_off: float = 0.0  # m/s by which change and velocity disagree
+    rates_off: float = 0.0  # rad/s by which change and body rates disagree
+    thrust_response: ThrustResponse = NO_RESPONSE  # the thrust that comes of what is commanded
 
 
 class Missing(NamedTuple):
@@ -128,52 +103,34 @@ class PayloadProgress(NamedTuple):
 
 
 class RequestMemory(NamedTuple):
-    """What the present phase asks of the vehicle, and what came back.
+    """What the present phase asks of the vehicle, and what came back."""
 
-    ``asking``: arming or a mode, and how often it was sent; None where the phase asks for nothing.
-    ``answer``: the vehicle's to it, ``answered_at`` s by our clock.
-    ``decided_in``: the mode in which it was first asked for.
-    ``mode_seen``: telemetry has shown the phase's own mode.
-    """
-
-    asking: Asking | None = None
-    answer: Answer | None = None
-    answered_at: float = 0.0
-    decided_in: Mode | None = None
-    mode_seen: bool = False
+    asking: Asking | None = None  # arming or a mode, and how often it was sent; None where the phase asks for nothing
+    answer: Answer | None = None  # the vehicle's to it
+    answered_at: float = 0.0  # s, our clock
+    decided_in: Mode | None = None  # the mode in which it was first asked for
+    mode_seen: bool = False  # telemetry has shown the phase's own mode
 
 
 class SteeringRecord(NamedTuple):
-    """What the steering remembers, and its last step.
+    """What the steering remembers, and its last step."""
 
-    ``memory``: the blocks' memories; None before the first step.
-    ``steered``: what came of the last step, at the state with the stamp ``steered_at`` (s).
-    ``scale``: the ground station's factor on the speed, with its rate.
-    """
-
-    memory: SteeringMemory | None = None
-    steered: Steered | None = None
-    steered_at: float | None = None
-    scale: SpeedScale = UNITY
+    memory: SteeringMemory | None = None  # the blocks' memories; None before the first step
+    steered: Steered | None = None  # what came of the last step
+    steered_at: float | None = None  # s, the stamp of its state
+    scale: SpeedScale = UNITY  # the ground station's factor on the speed, with its rate
 
 
 class PathMemory(NamedTuple):
-    """Where the flight is along its path.
+    """Where the flight is along its path."""
 
-    ``progress``: at the last state.
-    ``follow_from``: stamp (s) at which following began; ``leg_from``: at which the present leg did.
-    ``leg``: +1 in the mission's direction, -1 back; ``legs``: flown to their ends.
-    ``aim``: the point that is held or gone to; None along the path.
-    ``reached``: the path was reached in this leg, so that the tube around it is watched.
-    """
-
-    progress: Progress | None = None
-    follow_from: float | None = None
-    leg_from: float | None = None
-    leg: float = 1.0
-    legs: int = 0
-    aim: At | None = None
-    reached: bool = False
+    progress: Progress | None = None  # at the last state
+    follow_from: float | None = None  # s, stamp at which following began
+    leg_from: float | None = None  # s, stamp at which the present leg did
+    leg: float = 1.0  # +1 in the mission's direction, -1 back
+    legs: int = 0  # flown to their ends
+    aim: At | None = None  # the point that is held or gone to; None along the path
+    reached: bool = False  # the path was reached in this leg, so that the tube around it is watched
 
 
 class FlightFault(NamedTuple):
@@ -185,36 +142,26 @@ class FlightFault(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the pilot remembers from tick to tick: its own part, and the blocks' memories side by side.
-
-    ``phase``: since ``entered`` (s by our clock); ``last_event``: what began it.
-    ``state``: the last usable one; ``state_at``: s, our clock, when it was measured, as far as its lateness is known.
-    ``clock_runs``: its stamps advance.
-    ``from_ground``: the flight began on the ground; ``finished``: what was to be followed was.
-    ``watch``: whether states agree with each other. ``request``: arming and modes. ``path``: where along it.
-    ``steering``: the law. ``breaches``: since when each safety row is breached. ``payload``: its commands.
-    ``fault``: why the flight is not completed. ``done``: what was done, for the sentence at the end.
-    ``missing``: what a flight that waits lacks. ``shown``: on the bench.
-    """
+    """What the pilot remembers from tick to tick: its own part, and the blocks' memories side by side."""
 
     phase: Phase = Phase.PREFLIGHT
-    entered: float = 0.0
-    last_event: Event | None = None
-    state: VehicleState | None = None
-    state_at: float | None = None
-    clock_runs: bool = False
-    from_ground: bool = False
-    finished: bool = False
-    watch: StateWatch = StateWatch()
-    request: RequestMemory = RequestMemory()
-    path: PathMemory = PathMemory()
-    steering: SteeringRecord = SteeringRecord()
-    breaches: Since = NOTHING_SINCE
-    payload: PayloadProgress = PayloadProgress()
-    fault: FlightFault | None = None
-    done: Done = Done()
-    missing: Missing | None = None
-    shown: Shown = NOTHING_SHOWN
+    entered: float = 0.0  # s, our clock, when the phase began
+    last_event: Event | None = None  # what began it
+    state: VehicleState | None = None  # the last usable one
+    state_at: float | None = None  # s, our clock, when it was measured, as far as its lateness is known
+    clock_runs: bool = False  # its stamps advance
+    from_ground: bool = False  # the flight began on the ground
+    finished: bool = False  # what was to be followed was
+    watch: StateWatch = StateWatch()  # whether states agree with each other
+    request: RequestMemory = RequestMemory()  # arming and modes
+    path: PathMemory = PathMemory()  # where along it
+    steering: SteeringRecord = SteeringRecord()  # the law
+    breaches: Since = NOTHING_SINCE  # since when each safety row is breached
+    payload: PayloadProgress = PayloadProgress()  # its commands
+    fault: FlightFault | None = None  # why the flight is not completed
+    done: Done = Done()  # what was done, for the sentence at the end
+    missing: Missing | None = None  # what a flight that waits lacks
+    shown: Shown = NOTHING_SHOWN  # on the bench
 
     @property
     def first_fault(self) -> str | None:
@@ -223,22 +170,15 @@ class Memory(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What a tick does.
+    """What a tick does."""
 
-    ``setpoint``: at most one, computed in this tick.
-    ``request``: what is asked of the vehicle; ``sent``: now.
-    ``notes``: lines for people.
-    ``steered``, ``ramp``: how the setpoint came about, for the record; None where the law was not asked.
-    ``actions``: what the payload is to do now, once.
-    """
-
-    setpoint: Setpoint | None
-    request: Request | None
-    notes: tuple[str, ...]
-    steered: Steered | None
-    ramp: SpeedScale
-    sent: bool = False
-    actions: tuple[PathAction, ...] = ()
+    setpoint: Setpoint | None  # at most one, computed in this tick
+    request: Request | None  # what is asked of the vehicle
+    notes: tuple[str, ...]  # lines for people
+    steered: Steered | None  # how the setpoint came about; None where the law was not asked
+    ramp: SpeedScale  # the factor on the speed it was flown with
+    sent: bool = False  # the request: now
+    actions: tuple[PathAction, ...] = ()  # what the payload is to do now, once
 
 
 class LawOutput(NamedTuple):

@@ -66,7 +66,7 @@ def update_path_poles(poles: PathPoles, choice: PoleChoice, rates_b: Vec3, dt: f
         if poles.known > KNOWN_AFTER:
             scale = min(max(choice.hold_scale * _ratio(poles), choice.least), 1.0)
         return PathPoles(scale, True, last=rates_b)  # what the hold's poles made of the noise is not theirs
-    poles = _looked_at(poles, rates_b, dt)
+    poles = _observe(poles, rates_b, dt)
     if not along or poles.known < ROUGHNESS_TIME or poles.scale <= choice.least:
         return poles
     wanted = max(poles.scale * min(_ratio(poles), 1.0), choice.least)
@@ -79,7 +79,7 @@ def _ratio(poles: PathPoles) -> float:
     return math.sqrt(ROUGHNESS_MOST / max(math.sqrt(poles.roughness), 1e-9))
 
 
-def _looked_at(poles: PathPoles, rates_b: Vec3, dt: float) -> PathPoles:
+def _observe(poles: PathPoles, rates_b: Vec3, dt: float) -> PathPoles:
     last, before = poles.last, poles.before
     if last is None or before is None or not 0.0 < dt < STEP_MAX:
         return poles._replace(last=rates_b, before=last)

@@ -12,20 +12,14 @@ from companion.steering.yaw import YawMemory
 
 
 class RateMemory(NamedTuple):
-    """The blocks' memories, side by side.
+    """The blocks' memories, side by side."""
 
-    ``estimate``: of the vehicle, at its last state. ``commands``: those that act at or after it. ``zeta``: N, the
-    thrust at the horizon (Eq. 4). ``governor``: of the speed. ``yaw``: of the yaw compensation. ``poles``: of the path.
-    ``delay``: s, the dead time; None before the first step. ``limited``: the last command met a limit. ``moving``: it
-    was to fly somewhere.
-    """
-
-    estimate: VehicleEstimate
-    commands: tuple[TimedCommand, ...]
-    zeta: float
-    governor: SpeedScale = UNITY
-    yaw: YawMemory = YawMemory()
-    poles: PathPoles = PathPoles()
-    delay: float | None = None
-    limited: bool = False
-    moving: bool = False
+    estimate: VehicleEstimate  # of the vehicle, at its last state
+    commands: tuple[TimedCommand, ...]  # those that act at or after it
+    zeta: float  # N, the thrust at the horizon (Eq. 4)
+    governor: SpeedScale = UNITY  # of the speed
+    yaw: YawMemory = YawMemory()  # of the yaw compensation
+    poles: PathPoles = PathPoles()  # of the path
+    delay: float | None = None  # s, the dead time; None before the first step
+    limited: bool = False  # the last command met a limit
+    moving: bool = False  # it was to fly somewhere

@@ -33,46 +33,33 @@ Aim = Along | At
 
 
 class Estimates(NamedTuple):
-    """What a level has found out about its vehicle, for the record.
+    """What a level has found out about its vehicle, for the record."""
 
-    ``thrust_scale``: acceleration made over acceleration asked for. ``drag`` 1/s, ``disturbance`` m/s^2 (world),
-    ``velocity_bias`` m/s (reported velocity over the derivative of the reported position). ``link_delay``,
-    ``rate_lag``, ``yaw_lag`` s. ``path_pole``: 1/s, of h1 and h2, where it was chosen and not written.
-    """
-
-    thrust_scale: float
-    drag: float
-    disturbance: Vec3
-    velocity_bias: Vec3
-    link_delay: float
-    rate_lag: float
-    yaw_lag: float = math.nan
-    path_pole: float = math.nan
+    thrust_scale: float  # acceleration made over acceleration asked for
+    drag: float  # 1/s
+    disturbance: Vec3  # m/s^2, world
+    velocity_bias: Vec3  # m/s, reported velocity over the derivative of the reported position
+    link_delay: float  # s
+    rate_lag: float  # s
+    yaw_lag: float = math.nan  # s
+    path_pole: float = math.nan  # 1/s, of h1 and h2, where it was chosen and not written
 
 
 class Steered(NamedTuple):
-    """One step of steering.
+    """One step of steering."""
 
-    ``setpoint``: clamped and finite. ``memory``: for the next step. ``command``: what the law asked for. ``zeta``: N,
-    ``zeta_dot``: N/s, the dynamic extension (Eq. 4). ``thrust_n``: N, the collective thrust that was sent.
-    ``saturated``: whether a limit was met. ``thrust_share``: of the largest thrust. ``converged``: whether the scale of
-    the thrust is known well enough to follow a path. ``governor``: the share of the mission's speed that was asked for,
-    less than 1 where the vehicle could not fly the path at it. ``estimates``: None where the level has none.
-    ``rotor_left``: the share of its thrust that the weakest rotor gives, where the level can tell.
-    """
-
-    setpoint: Setpoint
-    memory: SteeringMemory
-    command: Command
-    zeta: float
-    zeta_dot: float
-    thrust_n: float
-    saturated: bool
-    thrust_share: float = 0.0
-    converged: bool = True
-    governor: float = 1.0
-    estimates: Estimates | None = None
-    rotor_left: float = 1.0
+    setpoint: Setpoint  # clamped and finite
+    memory: SteeringMemory  # for the next step
+    command: Command  # what the law asked for
+    zeta: float  # N, the dynamic extension (Eq. 4)
+    zeta_dot: float  # N/s
+    thrust_n: float  # N, the collective thrust that was sent
+    saturated: bool  # whether a limit was met
+    thrust_share: float = 0.0  # of the largest thrust
+    converged: bool = True  # whether the thrust scale is known well enough to follow a path
+    governor: float = 1.0  # share of the mission's speed that was asked for; below 1 where it could not be flown
+    estimates: Estimates | None = None  # None where the level has none
+    rotor_left: float = 1.0  # share of its thrust that the weakest rotor gives, where the level can tell
 
 
 class Steering(Protocol):

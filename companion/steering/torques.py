@@ -31,7 +31,7 @@ class TorqueSteering:
     ) -> Steered:
         """See Steering."""
         steered = self.motors.steer(memory, state, dt, aim, link_delay)
-        return steered._replace(setpoint=self._told(steered.setpoint))
+        return steered._replace(setpoint=self._torque_setpoint(steered.setpoint))
 
     def learn(self, memory: SteeringMemory) -> SteeringMemory:
         """See Steering."""
@@ -39,13 +39,13 @@ class TorqueSteering:
 
     def level(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> TorqueSetpoint:
         """See Steering."""
-        return self._told(self.motors.level(state, memory))
+        return self._torque_setpoint(self.motors.level(state, memory))
 
     def learned(self, memory: SteeringMemory) -> Learned | None:
         """See Steering."""
         return self.motors.learned(memory)
 
-    def _told(self, setpoint: Setpoint) -> TorqueSetpoint:
+    def _torque_setpoint(self, setpoint: Setpoint) -> TorqueSetpoint:
         assert isinstance(setpoint, MotorSetpoint)
         a, b, c, d = setpoint.commands
         return TorqueSetpoint(*self.allocation.setpoint((a, b, c, d)))

@@ -155,8 +155,8 @@ def yaw_rate_derivative(
     h = DERIVATIVE_STEP
     r, f = flying.r_nb, flying.zeta / mass
     (x, y, z), (vx, vy, vz) = flying.p_n, flying.v_n
-    thrust_n: Vec3 = (f * r[2], f * r[5], f * r[8])
-    ax, ay, az = acceleration(thrust_n, flying.v_n, gravity, flying.drag, flying.disturbance)
+    specific_thrust_n: Vec3 = (f * r[2], f * r[5], f * r[8])
+    ax, ay, az = acceleration(specific_thrust_n, flying.v_n, gravity, flying.drag, flying.disturbance)
     half = 0.5 * h
     p, q, s = command.turn
     # without the part that turns the heading error out

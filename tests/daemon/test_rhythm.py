@@ -28,7 +28,7 @@ def heard(rhythm: Rhythm, count: int, jitter: float, begin: float = 0.0, seed: i
     """Let states arrive; when the next is due."""
     rng = random.Random(seed)
     for i in range(count):
-        rhythm.arrived(begin + i * PERIOD + rng.uniform(-jitter, jitter))
+        rhythm.add_arrival(begin + i * PERIOD + rng.uniform(-jitter, jitter))
     return begin + count * PERIOD
 
 
@@ -46,7 +46,7 @@ def test_it_is_ready_a_little_before_a_state_is_due() -> None:
     assert times >= 2
     assert due - 3.0 * MARGIN - 2e-4 < now < due - MARGIN  # until none fits before the state
     assert due < rhythm.watch_until <= now + WATCH_MAX
-    rhythm.arrived(due)
+    rhythm.add_arrival(due)
     assert rhythm.watch_until == -math.inf
     assert rhythm.warm_up_at(due) < math.inf
 
@@ -72,7 +72,7 @@ def test_a_lost_state_leaves_the_rhythm_as_it_is() -> None:
     rng, rhythm = random.Random(5), Rhythm()
     for i in range(600):
         if i < 300 or rng.random() > 0.3:
-            rhythm.arrived(i * PERIOD + rng.uniform(-5e-5, 5e-5))
+            rhythm.add_arrival(i * PERIOD + rng.uniform(-5e-5, 5e-5))
             if i >= 300:
                 due = (i + 1) * PERIOD
                 assert due - 1e-3 < rhythm.warm_up_at(due - 0.5 * PERIOD) < due
@@ -82,8 +82,8 @@ def test_a_lost_state_leaves_the_rhythm_as_it_is() -> None:
 def test_a_false_start_is_forgotten(begun: float) -> None:
     """The first two at once, in a burst, or with one lost between them."""
     rhythm = Rhythm()
-    rhythm.arrived(-begun)
-    rhythm.arrived(0.0)
+    rhythm.add_arrival(-begun)
+    rhythm.add_arrival(0.0)
     due = heard(rhythm, 300, 5e-5, PERIOD)
     assert due - 1e-3 < rhythm.warm_up_at(due - 0.5 * PERIOD) < due
 
@@ -92,7 +92,7 @@ def test_another_rate_is_another_rhythm() -> None:
     rhythm = Rhythm()
     due = heard(rhythm, 400, 5e-5)
     for i in range(400):
-        rhythm.arrived(due + 2.0 * i * PERIOD)
+        rhythm.add_arrival(due + 2.0 * i * PERIOD)
     due += 800.0 * PERIOD
     assert due - 1e-3 < rhythm.warm_up_at(due - PERIOD) < due
 
@@ -108,10 +108,10 @@ def test_a_slow_machine_does_not_warm_up() -> None:
 def test_states_that_came_during_warm_ups_make_them_earlier() -> None:
     early, late = Rhythm(), Rhythm()
     for i in range(300):
-        early.arrived(i * PERIOD)
+        early.add_arrival(i * PERIOD)
         if i % 2:
             late.was_late()
-        late.arrived(i * PERIOD + (1e-4 if i % 2 else 0.0))
+        late.add_arrival(i * PERIOD + (1e-4 if i % 2 else 0.0))
     now = 299.5 * PERIOD
     assert late.warm_up_at(now) < early.warm_up_at(now)
 
@@ -163,12 +163,12 @@ def test_a_conductor_without_a_plan_has_nothing_to_warm_up() -> None:
 
 
 def test_what_is_permitted_is_said_in_one_line() -> None:
-    assert realtime._told(True, True) == "real time: SCHED_FIFO 50 and locked memory"
-    assert realtime._told(False, False) == (
+    assert realtime._realtime_words(True, True) == "real time: SCHED_FIFO 50 and locked memory"
+    assert realtime._realtime_words(False, False) == (
         "real time: at normal priority; not permitted: SCHED_FIFO (LimitRTPRIO=50 or CAP_SYS_NICE), "
         "locked memory (LimitMEMLOCK=infinity or CAP_IPC_LOCK)"
     )
-    assert "not permitted: locked memory" in realtime._told(True, False)
+    assert "not permitted: locked memory" in realtime._realtime_words(True, False)
 
 
 def test_priority_is_given_back() -> None:
