@@ -134,6 +134,18 @@ def test_one_setpoint_younger_than_the_time_out_opens_offboard(age: float) -> No
     assert client.mode(Mode.OFFBOARD) == (ACCEPTED if age < 1.0 else TEMPORARILY_REJECTED)
 
 
+def test_the_loss_is_noticed_at_a_look() -> None:
+    took = []
+    for phase in (0.0, 0.02, 0.04, 0.06, 0.08):
+        client = in_offboard()
+        client.bridge.autopilot.parameters.update(COM_OF_LOSS_T=0.2, COM_OBL_RC_ACT=5)
+        client.run(phase)
+        client.rates(thrust=0.49)
+        took.append(client.run_until(lambda c=client: c.flown is Mode.HOLD, 1.0))  # type: ignore[misc]
+    assert max(took) - min(took) == pytest.approx(0.08, abs=0.005)
+    assert sum(took) / len(took) == pytest.approx(0.27, abs=0.02)
+
+
 @pytest.mark.parametrize("hz", [50.0, 2.0, 1.05])
 def test_a_slow_stream_holds_offboard_if_its_gaps_are_short_enough(hz: float) -> None:
     client = in_offboard()
@@ -142,16 +154,18 @@ def test_a_slow_stream_holds_offboard_if_its_gaps_are_short_enough(hz: float) ->
     assert "Failsafe activated\t" not in client.texts()
 
 
-@pytest.mark.parametrize(("timeout", "seen"), [(1.0, 1.145), (0.5, 0.585), (0.2, 0.27)])
+@pytest.mark.parametrize("timeout", [1.0, 0.5, 0.2])
 @pytest.mark.parametrize(
     ("action", "mode"), [(0, Mode.RETURN), (1, Mode.RETURN), (3, Mode.RETURN), (4, Mode.LAND), (5, Mode.HOLD)]
 )
-def test_loss_of_the_stream(timeout: float, seen: float, action: int, mode: Mode) -> None:
+def test_loss_of_the_stream(timeout: float, action: int, mode: Mode) -> None:
+    """PX4 looks every 0.1 s and acts 0.02 s later. Seen: 0.04 to 0.17 s after the time-out, in CURRENT_MODE, which comes
+    up to 0.05 s late."""
     client = in_offboard()
     client.bridge.autopilot.parameters.update(COM_OF_LOSS_T=timeout, COM_OBL_RC_ACT=action)
     client.rates(thrust=0.49)
     lost = client.run_until(lambda: client.flown is not Mode.OFFBOARD, 2.0)
-    assert lost == pytest.approx(seen, abs=0.05)
+    assert timeout + 0.015 < lost < timeout + 0.125
     assert client.flown is mode
     assert client.texts()[-1] == "Failsafe activated\t"
     client.command(512, 436)

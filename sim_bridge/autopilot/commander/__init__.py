@@ -6,6 +6,7 @@ failsafe_checks what can go wrong, and what the parameters ask for then
 failsafe_flags  what is wrong, as these decide by it
 arming_checks   looks at battery, contacts, fence, sticks and tilt, and raises the flags
 health_report   in which modes it could be armed and flown, and why not
+offboard_check  whether offboard setpoints stay away
 contacts        who has been heard lately
 battery         how full it is
 tilt_watch      whether the vehicle has tipped over

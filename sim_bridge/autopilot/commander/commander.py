@@ -22,15 +22,11 @@ from sim_bridge.autopilot.commander.failsafe import (
 )
 from sim_bridge.autopilot.commander.failsafe_checks import StateAtArming, check_mode_fallback, check_state_and_mode
 from sim_bridge.autopilot.commander.failsafe_flags import FailsafeFlags
+from sim_bridge.autopilot.commander.offboard_check import OffboardCheck
 from sim_bridge.autopilot.parameters import Parameters
 
 READY_AFTER = 4.4
 """s from boot until the estimator has settled and arming is possible."""
-LOSS_NOTICED_AFTER = 0.10
-"""s beyond COM_OF_LOSS_T until the failsafe acts: PX4 looks ten times a second (seen: 0.02 to 0.17; over XRCE mostly
-before this)."""
-RETURN_NOTICED_AFTER = 0.07
-"""s from the first new setpoint until offboard is resumed (seen: 0.02 to 0.13)."""
 FORCE = 21196.0
 """The second parameter of an arming command that does not ask whether it is safe."""
 
@@ -75,7 +71,7 @@ class Commander:
         """The pilot's throttle stick, -1..1."""
         self._sticks_were_lost = True
         self._requested = False
-        self._resumed_at: float | None = None
+        self._offboard_check = OffboardCheck()
         self._after_disarming = Mode.HOLD
         self.texts: list[Text] = []
 
@@ -240,20 +236,11 @@ class Commander:
 
     def _watch_setpoints(self, t: float) -> None:
         """Notice that offboard setpoints stay away, or are back."""
-        age = t - self.setpoint_at
-        limit = self._parameters["COM_OF_LOSS_T"]
-        if not self.armed or self.user_intended_mode is not Mode.OFFBOARD:
-            self.failsafe_flags.offboard_control_signal_lost = age > limit
-            self._resumed_at = None
-        elif not self.failsafe_flags.offboard_control_signal_lost:
-            self.failsafe_flags.offboard_control_signal_lost = age > limit + LOSS_NOTICED_AFTER
-            self._resumed_at = None
-        elif age > limit:
-            self._resumed_at = None
-        elif self._resumed_at is None:
-            self._resumed_at = t
-        elif t - self._resumed_at >= RETURN_NOTICED_AFTER:
-            self.failsafe_flags.offboard_control_signal_lost = False
+        self.failsafe_flags.offboard_control_signal_lost = self._offboard_check.is_lost(
+            t, self.setpoint_at, self._parameters["COM_OF_LOSS_T"],
+            was_lost=self.failsafe_flags.offboard_control_signal_lost,
+            is_flown=self.armed and self.user_intended_mode is Mode.OFFBOARD,
+        )  # fmt: skip
 
     def _watch_sticks(self) -> None:
         """With one setting the loss of the sticks is no failsafe: the vehicle changes to hold, as if told to."""
