@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from companion.xrce import objects, topics, wire
 from companion.xrce.messages import (
-    BEST_EFFORT,
+    IDS,
     RELIABLE,
     SESSION,
     THE_CLIENT,
@@ -31,7 +31,7 @@ from companion.xrce.messages import (
     Timestamp,
     TimestampReply,
 )
-from companion.xrce.objects import Create, Data, Kind, ReadData, Status, WriteData
+from companion.xrce.objects import Create, Kind, ReadData, Status, WriteData
 from companion.xrce.reliable import NUMBERS, Incoming, Outgoing, ahead
 from companion.xrce.topics import Layout, Topic
 from companion.xrce.wire import NO_SESSION, NO_STREAM, Message, WireError
@@ -50,11 +50,11 @@ class Sample(NamedTuple):
 
 
 class Reader(NamedTuple):
-    """A topic that PX4 reads: the object its samples go to, and the request they answer."""
+    """A topic that PX4 reads: the object its samples go to, and the request they answer; ``ids``: both as bytes."""
 
     topic: Topic
     object: int
-    request: int
+    ids: bytes
 
 
 @dataclass(slots=True)
@@ -109,7 +109,7 @@ class Agent:
     counters: Counters = field(default_factory=Counters)
     _session: _Session | None = None
     _samples: list[Sample] = field(default_factory=list)
-    _answers: list[Message] = field(default_factory=list)
+    _answers: list[Message | bytes] = field(default_factory=list)
     _acknack: Acknack | None = None
 
     @property
@@ -148,12 +148,8 @@ class Agent:
         readers = [self.reading.get(topic) for topic, _ in samples]
         if session is None or None in readers or not samples:
             return False
-        data = tuple(
-            Data(reader.request, reader.object, cdr)
-            for reader, (_, cdr) in zip(readers, samples, strict=True)
-            if reader is not None
-        )
-        self._answers.append(Message(session.number, BEST_EFFORT, session.sent, data))
+        data = [(reader.ids, cdr) for reader, (_, cdr) in zip(readers, samples, strict=True) if reader is not None]
+        self._answers.append(wire.encode_samples(session.number, session.sent, data))
         session.sent = ahead(session.sent + 1, 0)
         return True
 
@@ -167,7 +163,7 @@ class Agent:
                 if each is not None:
                     messages.append(Message(session.number, NO_STREAM, 0, (each,)))
         self._acknack = None
-        return [wire.encode(message) for message in messages]
+        return [each if isinstance(each, bytes) else wire.encode(each) for each in messages]
 
     def next_timer(self) -> float:
         """s, when ``datagrams`` has something without anything coming in; inf: never."""
@@ -208,7 +204,7 @@ class Agent:
                 case ReadData():
                     read = session.readers.get(each.object)
                     if read is not None:
-                        self.reading[read.name] = Reader(read, each.object, each.request)
+                        self.reading[read.name] = Reader(read, each.object, IDS.pack(each.request, each.object))
                 case Timestamp() if self.keeps_time:
                     self._answer(TimestampReply(each.time, each.time, each.time), session.number)
                 case GetInfo():

@@ -6,11 +6,12 @@ A message is a header (session, stream, sequence) and submessages, each at a mul
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from companion.vehicle import CompanionError
 from companion.xrce.messages import (
+    BEST_EFFORT,
     Acknack,
     CreateClient,
     Delete,
@@ -67,6 +68,16 @@ def encode_submessage(submessage: Submessage) -> bytes:
     if isinstance(submessage, Fragment) and submessage.last:
         flags |= LAST_FRAGMENT
     return _HEADER.pack(submessage.ID, flags, len(body)) + body + bytes(-len(body) % 4)
+
+
+def encode_samples(session: int, sequence: int, samples: Iterable[tuple[bytes, bytes]]) -> bytes:
+    """The best-effort message of DATA for these readers (request and object id, 4 bytes; CDR), as ``encode`` makes it
+    of values: each setpoint waits for this."""
+    parts = [_HEADER.pack(session, BEST_EFFORT, sequence)]
+    for reader, cdr in samples:
+        size = len(cdr) + len(reader)
+        parts += (_HEADER.pack(Data.ID, Data.FLAGS, size), reader, cdr, bytes(-size % 4))
+    return b"".join(parts)
 
 
 def decode(data: bytes) -> Message:

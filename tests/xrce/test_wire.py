@@ -111,6 +111,13 @@ def test_half_a_message_is_none(data: bytes) -> None:
         wire.decode(data)
 
 
+def test_samples_are_encoded_as_their_values_are() -> None:
+    samples = [(10, 0x8096, bytes(15)), (11, 0x8186, bytes(range(68))), (12, 0x8166, b"")]
+    values = tuple(objects.Data(*each) for each in samples)
+    ids = [(request.to_bytes(2, "big") + number.to_bytes(2, "big"), cdr) for request, number, cdr in samples]
+    assert wire.encode_samples(0x81, 77, ids) == wire.encode(wire.Message(0x81, 1, 77, values))
+
+
 def test_a_submessage_nobody_knows_is_passed_over() -> None:
     message = wire.decode(b"\x81\x01\x05\0\x42\x01\x03\0abc\0" + wire.encode_submessage(Heartbeat(1, 2)))
     assert message == wire.Message(0x81, 1, 5, (Heartbeat(1, 2),))
