@@ -25,6 +25,7 @@ from companion.cli.options import (
     HomePlace,
     Json,
     MissionName,
+    ModeName,
     OutputName,
     Quiet,
     Record,
@@ -183,6 +184,7 @@ def fly(
     output: OutputName = Output.AUTO,
     set_parameters: SetParameters = False,
     start: Starts = None,
+    mode_name: ModeName = None,
     finish: Finishes = None,
     dry_run: DryRun = False,
     bench: Bench = False,
@@ -227,15 +229,14 @@ def fly(
     faults.raise_any()
     assert sortie is not None and open_port is not None
     sortie, found = _check_to_fly(sortie, accept_infeasible, json)
-    conduct = Conduct(
-        flying.authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
+    conduct = Conduct(flying.authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
         Finish.AS_BEGUN if finish is None else Finish(finish.value), Limits(tube=tube, floor=floor, ceiling=ceiling),
-        speed_scale_max=flying.most_speed_scale(found.speed_scale_max),
+        speed_scale_max=flying.most_speed_scale(found.speed_scale_max), own_mode=flying.mode_name(start, mode_name),
     )  # fmt: skip
     raise typer.Exit(flying.fly(flying.Flight(
         sortie, record or new_directory(sortie.mission.name), duration, Ending(json, settle, report), set_parameters,
-        conduct, draw, accept_infeasible, key, shared, log, flying.mode_name(start),
-    ), open_port(), None if open_xrce is None else open_xrce(sortie, accept_direct_motors)))  # fmt: skip
+        conduct, draw, accept_infeasible, key, shared, log,
+    ), open_port(), open_xrce and open_xrce(sortie, accept_direct_motors)))  # fmt: skip
 
 
 @app.command()

@@ -32,8 +32,9 @@ from companion.mavlink.signing import Signing
 from companion.mission import Mission, Origin
 from companion.record.folder import Recorder
 from companion.record.learned import load_learned, save_learned, state_file
-from companion.vehicle import CompanionError, Vehicle
-from companion.xrce.flight_mode import NAMED, attitude_alone
+from companion.vehicle import CompanionError, OutputLevel, Vehicle
+from companion.xrce.flight_mode import NAMED, level_refused
+from companion.xrce.flight_mode import mode_name as checked_name
 
 WAIT_FOR_VEHICLE = 10.0
 """s for a first heartbeat, which comes every second."""
@@ -63,7 +64,6 @@ class Flight:
     key: bytes | None = field(default=None, repr=False)
     forward: tuple[Endpoint, ...] = ()
     log_from: str | None = None
-    flight_mode: str | None = None
 
 
 def most_speed_scale(feasible: float) -> float:
@@ -90,9 +90,14 @@ def authority_of(start: WhoStarts | None, *, dry_run: bool, bench: bool, serial:
     return ControlAuthority.PILOT if pilot else ControlAuthority.COMPANION
 
 
-def mode_name(start: WhoStarts | None) -> str | None:
-    """The name of the flight mode of our own that is asked for; None: OFFBOARD is."""
-    return NAMED if start is WhoStarts.MODE else None
+def mode_name(start: WhoStarts | None, name: str | None) -> str | None:
+    """The name of the flight mode of our own that is asked for; None: OFFBOARD is. CompanionError: ``name`` is none, or
+    no mode is asked for that could have it."""
+    if start is WhoStarts.MODE:
+        return checked_name(NAMED if name is None else name)
+    if name is not None:
+        raise CompanionError("--mode-name goes with --start mode; expected both or none of them")
+    return None
 
 
 def output_in(start: WhoStarts | None, output: Output, xrce: str | None) -> Output:
@@ -101,8 +106,8 @@ def output_in(start: WhoStarts | None, output: Output, xrce: str | None) -> Outp
         return output
     if xrce is None:
         raise CompanionError("--start mode needs --xrce: a flight mode is registered through PX4's XRCE client")
-    if output not in (Output.AUTO, Output.ATTITUDE):
-        raise CompanionError(attitude_alone(output.value))
+    if output is not Output.AUTO and (refused := level_refused(OutputLevel(output.value))) is not None:
+        raise CompanionError(refused)
     return Output.ATTITUDE
 
 
@@ -175,8 +180,7 @@ def _fly_until_done(
         set_parameters=flight.set_parameters,
         conduct=flight.conduct,
         draw=flight.draw,
-        over_xrce=xrce is not None and (sortie.level.without_rate_loop or flight.flight_mode is not None),
-        flight_mode=flight.flight_mode,
+        over_xrce=xrce is not None and (sortie.level.without_rate_loop or flight.conduct.own_mode is not None),
         has_xrce=xrce is not None,
         learned=load_learned(state_file(sortie.vehicle.name)),
         objection=None

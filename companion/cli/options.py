@@ -143,6 +143,15 @@ Starts = Annotated[
         show_default="pilot on a serial line, else companion",
     ),
 ]
+ModeName = Annotated[
+    str | None,
+    typer.Option(
+        "--mode-name",
+        metavar="NAME",
+        help="What the ground station calls the mode of --start mode.",
+        show_default="Path",
+    ),
+]
 Finishes = Annotated[
     Ends | None,
     typer.Option(

@@ -11,16 +11,16 @@ from companion.mission import Mission, Origin
 from companion.record.ticks import TickRecorder
 from companion.vehicle import OutputLevel, Vehicle
 from companion.xrce.commands import Commands
-from companion.xrce.flight_mode import FlightMode
+from companion.xrce.flight_mode import MODE_LEVELS, FlightMode
 
 
 @dataclass(frozen=True)
 class Orders:
     """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
     be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
-    ``over_xrce``: setpoints go to PX4's XRCE client; ``has_xrce``: they might, if that were asked for. ``flight_mode``:
-    the name of a mode of our own to fly in; None: OFFBOARD. ``conduct``: how; what the vehicle says of itself is added
-    to its limits. ``draw``: the curve is uploaded as mission items, for the ground station's map. ``learned``: what the
+    ``over_xrce``: setpoints go to PX4's XRCE client; ``has_xrce``: they might, if that were asked for. ``mode_levels``:
+    what may be flown in a flight mode of ours. ``conduct``: how; what the vehicle says of itself is added to its
+    limits. ``draw``: the curve is uploaded as mission items, for the ground station's map. ``learned``: what the
     vehicle's last flight left. ``objection``: looks at the mission in its real place over the ground (m, down in the
     local frame) and says why it may not be flown there."""
 
@@ -33,7 +33,7 @@ class Orders:
     set_parameters: bool = False
     over_xrce: bool = False
     has_xrce: bool = False
-    flight_mode: str | None = None
+    mode_levels: frozenset[OutputLevel] = MODE_LEVELS
     conduct: Conduct = field(default_factory=Conduct)
     draw: bool = False
     learned: Learned | None = None
@@ -42,5 +42,6 @@ class Orders:
 
 def commands_of(orders: Orders, recorder: TickRecorder | None) -> Commands:
     """What the setpoints of a flight over XRCE go through; the traffic is told to ``recorder``."""
-    mode = None if orders.flight_mode is None else FlightMode(orders.flight_mode)
+    name = orders.conduct.own_mode
+    mode = None if name is None else FlightMode(name, orders.level)
     return Commands(orders.level, tap=None if recorder is None else recorder.datagram, flight_mode=mode)

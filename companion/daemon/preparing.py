@@ -21,6 +21,7 @@ from companion.places.words import words_of_place
 from companion.plan import Plan, prepared
 from companion.vehicle import TILT_MARGIN, CompanionError, Landed, OutputLevel, Tuning, Vehicle, VehicleState
 from companion.xrce.commands import Commands
+from companion.xrce.flight_mode import level_refused
 
 PLACE_WITHIN = 30.0
 """s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
@@ -221,7 +222,8 @@ class Preparation:
             )
         ambiguity = self.ambiguity()
         if self.xrce is not None:
-            return ambiguity or self.xrce.refusal
+            own = self.xrce.flight_mode is not None and orders.level not in orders.mode_levels
+            return ambiguity or self.xrce.refusal or (level_refused(orders.level) if own else None)
         if orders.level is OutputLevel.TORQUES:
             return "torques go over XRCE alone; give --xrce, or fly it with --output rates or attitude"
         if ambiguity is not None or orders.level is not OutputLevel.MOTORS:

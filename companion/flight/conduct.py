@@ -53,13 +53,15 @@ class Limits(NamedTuple):
 
 class Conduct(NamedTuple):
     """``at_once``: the path is flown from the first setpoint on, without settling or joining (a simulated flight that
-    begins in a given state). ``speed_scale_max``: how much faster than the mission it may be asked to fly."""
+    begins in a given state). ``speed_scale_max``: how much faster than the mission it may be asked to fly.
+    ``own_mode``: the name of the flight mode of ours that is flown in; None: OFFBOARD."""
 
     authority: ControlAuthority = ControlAuthority.COMPANION
     finish: Finish = Finish.AS_BEGUN
     limits: Limits = Limits()
     at_once: bool = False
     speed_scale_max: float = 1.0
+    own_mode: str | None = None
 
 
 def to_dict(conduct: Conduct) -> dict[str, Any]:

@@ -92,7 +92,9 @@ def _enter(moment: Moment, memory: Memory, phase: Phase, event: Event, reason: s
         if event in (Event.TIMED_OUT, Event.REFUSED):
             advice = ADVICE_AFTERWARDS.get(came_from)
         memory = memory._replace(fault=FlightFault(reason, event, advice))
-    request = PHASES[phase].request if plan.conduct.authority is ControlAuthority.COMPANION else None
+    ends_own_mode = plan.conduct.own_mode is not None and phase in (Phase.HAND_BACK, Phase.ABORT)
+    asks = plan.conduct.authority is ControlAuthority.COMPANION or ends_own_mode
+    request = PHASES[phase].request if asks else None
     asking = begin_asking(request, memory.request.asking, status)
     memory = memory._replace(
         phase=phase,

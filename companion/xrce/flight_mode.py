@@ -2,21 +2,25 @@
 
 PX4 asks every 0.3 s whether it can be flown; after four questions without an answer it takes the vehicle back to Hold
 (1.0 to 1.3 s, externalChecks.cpp of main 3/2026). For so long it flies on the last setpoint, which is why attitudes
-alone are sent. It registers nobody while the vehicle is armed.
+alone may be flown (MODE_LEVELS). It registers nobody while the vehicle is armed.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field
 
-from companion.vehicle import Mode
+from companion.vehicle import CompanionError, Mode, OutputLevel
 from companion.xrce.agent import Agent, Sample
 
 NAMED = "Path"
 """What it is called where nobody says otherwise."""
 NAME_MAX = 24
 """letters of a name that PX4 keeps."""
+MODE_LEVELS = frozenset({OutputLevel.ATTITUDE})
+"""What is flown in a mode of ours: what PX4 may fly on for 1.3 s after we died. Killed on the circle on PX4: 24 degrees
+at most at attitude; the others only on the stand-in (bench.deaths), where motors and torques turn it over."""
 NEEDS = (
     "register_ext_component_request",
     "unregister_ext_component",
@@ -36,8 +40,13 @@ STATUS_LASTS = 0.7
 STALLED = 0.5
 """s in the mode without a command after which it cannot be flown: else PX4 would hold the last one for as long as its
 questions are answered."""
-CONTROLLERS = ("attitude", "rates", "allocation")
-"""PX4's controllers that fly what is sent: attitudes."""
+CONTROLLERS = {
+    OutputLevel.ATTITUDE: ("attitude", "rates", "allocation"),
+    OutputLevel.RATES: ("rates", "allocation"),
+    OutputLevel.TORQUES: ("allocation",),
+    OutputLevel.MOTORS: (),
+}
+"""PX4's controllers that fly what is sent."""
 SUCCESS, FAILURE = 0, 100
 """Results of mode_completed."""
 API_VERSION = 1
@@ -46,9 +55,11 @@ API_VERSION = 1
 
 @dataclass(slots=True)
 class FlightMode:
-    """``can_run``: whether it may be selected now. ``number``: its nav_state; None: not registered (yet)."""
+    """``level``: of the setpoints that are flown in it. ``can_run``: whether it may be selected now. ``number``: its
+    nav_state; None: not registered (yet)."""
 
     name: str = NAMED
+    level: OutputLevel = OutputLevel.ATTITUDE
     can_run: bool = False
     number: int | None = None
     _check: int = -1
@@ -108,7 +119,7 @@ class FlightMode:
             self._asked_at = now
             self._request = round(now * 1e6)
             self._samples.append((NEEDS[0], {
-                "request_id": self._request, "name": self._name, "px4_ros2_api_version": API_VERSION,
+                "request_id": self._request, "name": self.name.encode(), "px4_ros2_api_version": API_VERSION,
                 "register_arming_check": True, "register_mode": True,
             }))  # fmt: skip
         samples, self._samples = self._samples, []  # what cannot be said now is not said later either
@@ -125,12 +136,8 @@ class FlightMode:
         result = SUCCESS if completed else FAILURE
         self._samples.append(("mode_completed", {"result": result, "nav_state": self.number}))
         self._samples.append(("unregister_ext_component", {
-            "name": self._name, "arming_check_id": self._check, "mode_id": self.number, "mode_executor_id": -1,
+            "name": self.name.encode(), "arming_check_id": self._check, "mode_id": self.number, "mode_executor_id": -1,
         }))  # fmt: skip
-
-    @property
-    def _name(self) -> bytes:
-        return self.name.encode("ascii", "replace")[:NAME_MAX]
 
     def _answer(self, request: int, now: float) -> None:
         """Whether it can be flown. It begins in the air, so that nobody arms in it."""
@@ -146,13 +153,27 @@ class FlightMode:
 
     def _configure(self) -> None:
         """Which of PX4's controllers are on while it is selected."""
-        flags = {f"flag_control_{name}_enabled": True for name in CONTROLLERS}
+        flags = {f"flag_control_{name}_enabled": True for name in CONTROLLERS[self.level]}
         self._samples.append(("config_control_setpoints", {**flags, "source_id": self.number}))
 
 
-def attitude_alone(asked: str) -> str:
-    """Why setpoints of another level are not sent in a mode of our own."""
+def level_refused(level: OutputLevel) -> str | None:
+    """Why setpoints of a level are not sent in a mode of our own; None: they are."""
+    if level in MODE_LEVELS:
+        return None
     return (
-        f"--start mode flies attitude alone, not {asked}: where the companion dies PX4 goes on for 1.0 to 1.3 s on its "
-        "last setpoint, and at rates, torques and motors that is a crash; in OFFBOARD it is 0.3 or 0.1 s"
+        f"--start mode flies attitude alone, not {level.value}: where the companion dies PX4 goes on for 1.0 to 1.3 s "
+        "on its last setpoint, and at rates, torques and motors that is a crash; in OFFBOARD it is 0.3 or 0.1 s"
     )
+
+
+def mode_name(name: str) -> str:
+    """A name for it. CompanionError: PX4 would cut it, a ground station could not show it, or it is PX4's own."""
+    if re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9 _.-]*", name) is None or len(name) > NAME_MAX or name != name.strip():
+        raise CompanionError(
+            f"{name!r} is no name for a flight mode; expected 1 to {NAME_MAX} letters, digits, spaces and _ . -, "
+            "beginning with a letter or a digit"
+        )
+    if re.sub(r"[ _.-]", "", name).upper() in {each.name.replace("_", "") for each in Mode}:
+        raise CompanionError(f"{name!r} is a flight mode of PX4 itself; expected a name that nobody mistakes for it")
+    return name

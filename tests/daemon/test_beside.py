@@ -172,6 +172,9 @@ def test_motors_over_xrce_are_refused_until_their_price_is_accepted(tmp_path: Pa
     done = companion("fly", "circle_r5", *options, "--output", "rates", "--start", "mode", cwd=tmp_path)
     assert done.returncode == 2
     assert "--start mode flies attitude alone, not rates" in done.stderr
+    done = companion("fly", "circle_r5", *options, "--mode-name", "Path", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--mode-name goes with --start mode" in done.stderr
 
 
 def free_port() -> int:

@@ -9,8 +9,11 @@ import pytest
 
 from companion.config.world.world import load_world
 from companion.frames import rotation_matrix
+from companion.library.lockstep import fly
+from companion.pilot import completed
 from companion.vehicle import Mode, OutputLevel
 from tests.support.flights import Flown, flight
+from trials.deaths import placed, selecting
 
 SETTLED = 8.0
 """s from the first setpoint until the figures count."""
@@ -50,6 +53,23 @@ def test_a_flight_that_begins_in_a_given_state_begins_so_over_xrce_too() -> None
     assert over_xrce.setpoints[0][0] > 5.0  # UXRCE_DDS_SYNCT
     worst, as_worst = (max(error for _, error in each.path_errors) for each in (over_xrce, over_mavlink))
     assert worst == pytest.approx(as_worst, rel=0.05)
+
+
+def test_a_flight_in_a_mode_of_our_own_is_selected_flown_and_over() -> None:
+    bridge, conductor = placed(OutputLevel.ATTITUDE, own_mode=True, duration=2.0)
+    fly(conductor, bridge, lambda conductor, truth: selecting(bridge, conductor), 40.0)
+    assert conductor.memory is not None and completed(conductor.memory), conductor.notes
+    assert conductor.xrce is not None and conductor.xrce.sent > 200
+    for _ in range(10):
+        bridge.step()
+    assert bridge.autopilot.commander.external_modes.of(Mode.EXTERNAL1) is None
+    assert bridge.autopilot.commander.mode is Mode.HOLD
+
+
+def test_what_px4_would_fly_on_for_too_long_is_refused_in_it() -> None:
+    bridge, conductor = placed(OutputLevel.RATES, own_mode=True, duration=2.0)
+    fly(conductor, bridge, lambda conductor, truth: None, 5.0)
+    assert "flies attitude alone, not rates" in (conductor.refusal or "")
 
 
 def test_a_companion_that_dies_on_the_circle_leaves_a_vehicle_that_px4_holds() -> None:

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from companion.vehicle import AttitudeSetpoint, Mode, OutputLevel
+from companion.vehicle import AttitudeSetpoint, CompanionError, Mode, OutputLevel
 from companion.xrce import topics, wire
-from companion.xrce.commands import Commands
-from companion.xrce.flight_mode import ASK_AGAIN, FlightMode
+from companion.xrce.commands import Commands, follows
+from companion.xrce.flight_mode import ASK_AGAIN, CONTROLLERS, FlightMode, level_refused, mode_name
 from companion.xrce.messages import SESSION
 from companion.xrce.objects import Data, WriteData
 from companion.xrce.topics import LAYOUTS
@@ -30,9 +30,9 @@ AT = 100.0
 class Vehicle:
     """PX4 main's client with its session as captured, in Hold, and a flight mode that is not registered yet."""
 
-    def __init__(self) -> None:
-        self.mode = FlightMode("Path")
-        self.commands = Commands(OutputLevel.ATTITUDE, flight_mode=self.mode)
+    def __init__(self, level: OutputLevel = OutputLevel.ATTITUDE) -> None:
+        self.mode = FlightMode("Path", level)
+        self.commands = Commands(level, flight_mode=self.mode)
         for each in session():
             if each.of_client:
                 self.commands.receive(each.data, AT)
@@ -173,3 +173,49 @@ def test_a_client_that_begins_anew_is_asked_again() -> None:
     vehicle.commands.agent.sessions += 1
     assert "register_ext_component_request" in vehicle.told(AT)
     assert vehicle.mode.mode is None
+
+
+@pytest.mark.parametrize(
+    ("level", "on"),
+    [
+        (OutputLevel.ATTITUDE, {"attitude", "rates", "allocation"}),
+        (OutputLevel.RATES, {"rates", "allocation"}),
+        (OutputLevel.TORQUES, {"allocation"}),
+        (OutputLevel.MOTORS, set()),
+    ],
+)
+def test_it_asks_for_the_controllers_of_its_level(level: OutputLevel, on: set[str]) -> None:
+    vehicle = Vehicle(level)
+    vehicle.register()
+    asked = vehicle.told(AT)["config_control_setpoints"]
+    assert {name for name in CONTROLLERS[OutputLevel.ATTITUDE] if asked[f"flag_control_{name}_enabled"]} == on
+    assert follows(asked, level)
+    assert (level_refused(level) is None) == (level is OutputLevel.ATTITUDE)
+
+
+@pytest.mark.parametrize("name", ["Path", "Path following", "Survey 2", "a.b_c-d", "x" * 24])
+def test_a_name_is_kept(name: str) -> None:
+    assert mode_name(name) == name
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "",
+        " ",
+        " Path",
+        "Path ",
+        "-Path",
+        "x" * 25,
+        "Pf\u00e4d",
+        "a/b",
+        "a\nb",
+        "a\0",
+        "Hold",
+        "position slow",
+        "EXTERNAL1",
+    ],
+)
+def test_a_name_that_px4_or_a_ground_station_could_not_keep_is_refused(name: str) -> None:
+    with pytest.raises(CompanionError, match=r"is no name for a flight mode; expected 1 to 24|is a flight mode of PX4"):
+        mode_name(name)
