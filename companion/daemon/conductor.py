@@ -23,7 +23,7 @@ from companion.flight.phases import EXITS, NOT_FLYING, Event, Phase
 from companion.flight.situation import Answer
 from companion.geodesy import LocalFrame
 from companion.mavlink import link as wire
-from companion.mavlink import requests, setpoints, telemetry
+from companion.mavlink import setpoints, telemetry
 from companion.mavlink.codec import Decoder
 from companion.mavlink.parameters import Parameters
 from companion.mavlink.peer import Received
@@ -149,7 +149,7 @@ class Conductor:
                     continue
                 acknowledged = self.link.receive(frame, now)
                 if acknowledged is not None:
-                    answer = self._answer(*acknowledged)
+                    answer = None if self.payload.answered(*acknowledged) else answer_to(*acknowledged)
                 of_vehicle = self.link.of_vehicle(frame)
                 if frame.format.id in GROUND_WANTED and self.link.identity is not None:
                     self.ground.receive(frame, self.link.identity.system, now, of_vehicle=of_vehicle)
@@ -229,11 +229,9 @@ class Conductor:
         if self.memory is None or self.plan is None:
             self._prepare(state, now)
             return  # making the plan took its time, and this state is no longer fresh
-        waits = self.memory.phase is Phase.PREFLIGHT
-        self.link.peers.flying = not waits
-        if waits and (ambiguity := self.preparation.ambiguity()) is not None:
-            self.preparation.refusal = ambiguity
-            self.preparation.restore(now)
+        self.link.peers.flying = self.memory.phase is not Phase.PREFLIGHT
+        if not self.link.peers.flying and (ambiguity := self.preparation.ambiguity()) is not None:
+            self._decline(ambiguity, now)
             return
         clock = self.link.clock
         clock.may_restart = self.memory.phase in NOT_FLYING
@@ -277,13 +275,12 @@ class Conductor:
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
         """Make the plan once the vehicle is known and has said where it is."""
-        preparation = self.preparation
         if self._stop:
-            preparation.refusal = "stopped by the user before the flight began"
+            self.preparation.refusal = "stopped by the user before the flight began"
         else:
-            self.plan = preparation.plan(self.orders, state, now)
-        if preparation.refusal is not None:
-            preparation.restore(now)
+            self.plan = self.preparation.plan(self.orders, state, now)
+        if self.refusal is not None:
+            self._decline(self.refusal, now)
         if self.plan is None:
             return
         self.memory = pilot.begin(now)
@@ -294,7 +291,10 @@ class Conductor:
         if self.orders.draw and origin is not None and identity is not None:
             self.ground.draw(self.plan, LocalFrame(*origin), identity.system)
 
-    def _answer(self, command: requests.Command, result: int) -> Answer | None:
-        if self.payload.answered(command, result):
-            return None
-        return answer_to(command, result)
+    def _decline(self, reason: str, now: float) -> None:
+        """There will be no flight: what was set goes back, our mode goes, and the ground station hears why."""
+        self.preparation.refusal = reason
+        self.preparation.restore(now)
+        self.ground.decline(reason, now)
+        if self.xrce is not None:
+            self.xrce.tell(can_run=False, over=True, completed=False)

@@ -117,6 +117,11 @@ class GroundSide:
                 "pf_yaw": math.degrees(yaw_error(steered)),
             })  # fmt: skip
 
+    def decline(self, reason: str, now: float) -> None:
+        """Say why there will be no flight."""
+        self._announcer.say(f"mission cannot be flown here: {reason}", now, MavSeverity.WARNING)
+        self._announcer.on_timer(now)  # it may be the last that is said
+
     def on_timer(self, now: float) -> None:
         """Send what is due."""
         self._announcer.on_timer(now)

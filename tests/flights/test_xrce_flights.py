@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -12,7 +13,7 @@ from companion.frames import rotation_matrix
 from companion.library.lockstep import fly
 from companion.pilot import completed
 from companion.vehicle import Mode, OutputLevel
-from tests.support.flights import Flown, flight
+from tests.support.flights import Between, Flown, flight
 from trials.deaths import placed, selecting
 
 SETTLED = 8.0
@@ -70,6 +71,22 @@ def test_what_px4_would_fly_on_for_too_long_is_refused_in_it() -> None:
     bridge, conductor = placed(OutputLevel.RATES, own_mode=True, duration=2.0)
     fly(conductor, bridge, lambda conductor, truth: None, 5.0)
     assert "flies attitude alone, not rates" in (conductor.refusal or "")
+
+
+def test_the_ground_station_is_told_why_the_mission_cannot_be_flown_and_the_mode_goes() -> None:
+    bridge, conductor = placed(OutputLevel.ATTITUDE, own_mode=True, duration=2.0)
+    conductor.orders = replace(conductor.orders, objection=lambda mission, ground: "the path is under the ground")
+    between = Between(bridge)
+    fly(conductor, between, lambda conductor, truth: None, 20.0)  # type: ignore[arg-type]
+    assert "the path is under the ground" in (conductor.refusal or "")
+    assert conductor.xrce is not None and conductor.xrce.flight_mode is not None
+    assert conductor.xrce.flight_mode.mode is Mode.EXTERNAL1
+    pieces = [frame.format.named(frame.values) for _, frame in between.sent if frame.format.name == "STATUSTEXT"]
+    text = "".join(piece["text"] for piece in pieces)
+    assert text.endswith("mission cannot be flown here: in its place here, the path is under the ground"), text
+    for _ in range(10):
+        bridge.step()
+    assert bridge.autopilot.commander.external_modes.of(Mode.EXTERNAL1) is None
 
 
 def test_a_companion_that_dies_on_the_circle_leaves_a_vehicle_that_px4_holds() -> None:
