@@ -191,13 +191,13 @@ def _payload(frame: bytes) -> bytes:
 
 
 @contextlib.contextmanager
-def running(command: list[str], output: Path) -> Iterator[None]:
-    """A client while it is measured."""
+def running(command: list[str], output: Path) -> Iterator[int]:
+    """A client while it is measured; its process's id."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))}
     with output.open("ab") as said:
         process = subprocess.Popen(command, stdout=said, stderr=said, env=environment, cwd=output.parent)
     try:
-        yield
+        yield process.pid
     finally:
         process.send_signal(signal.SIGTERM)
         try:

@@ -10,7 +10,7 @@ process and without sockets, the stand-in's own traffic taken in.
 from __future__ import annotations
 
 import contextlib
-import resource
+import os
 import select
 import socket
 import struct
@@ -55,22 +55,28 @@ def vehicle(*, xrce: bool) -> Bridge:
     return bridge
 
 
-class XrceMeter(Meter):
-    """A meter whose vehicle has a client, at ``agent``'s port; the answers come there."""
+class PairedMeter(Meter):
+    """A meter whose vehicle has an XRCE client that speaks to ``agent``'s port, where one is given; the answers come
+    there then. ``busy``: shares of a core that the daemon's process took while it was measured."""
 
-    def __init__(self, client: Client, port: int, agent: int) -> None:
+    def __init__(self, client: Client, port: int, agent: int | None) -> None:
         super().__init__(client, port)
-        self.bridge = vehicle(xrce=True)
-        self._agent = ("127.0.0.1", agent)
+        self.bridge = vehicle(xrce=agent is not None)
+        self.busy = 0.0
+        self._agent = ("127.0.0.1", agent or 0)
         self._client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._client.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
         self._client.setblocking(False)
         self._client.bind(("127.0.0.1", 0))
 
-    def run(self, enough: int, time_out: float) -> None:
-        """See Meter."""
+    def measure(self, process: int, seconds: float) -> None:
+        """Until the daemon has answered for so long."""
+        enough, time_out = WARM_UP + round(seconds / PERIOD), 2.0 * seconds + 20.0
         begun = due = time.monotonic()
+        warm: tuple[float, float] | None = None
         while len(self.found) < enough and due - begun < time_out:
+            if warm is None and len(self.found) >= WARM_UP:
+                warm = time.monotonic(), cpu_of(process)
             due = max(due + PERIOD, time.monotonic() - 0.1)
             while (left := due - time.monotonic()) > 0.0:
                 ready, _, _ = select.select([self._client, self._socket], (), (), left)
@@ -80,10 +86,10 @@ class XrceMeter(Meter):
                     self._receive()
             self.bridge.step()
             self._say()
+        if warm is not None:
+            self.busy = (cpu_of(process) - warm[1]) / (time.monotonic() - warm[0])
         self._socket.close()
         self._client.close()
-        self.client.delays += self.found[WARM_UP:]
-        self.client.states += max(0, len(self.sent) - WARM_UP)
 
     def _say(self) -> None:
         for endpoint, datagram in self.bridge.datagrams():
@@ -110,6 +116,12 @@ def state_of(data: bytes) -> int | None:
     """us, the stamp of the state that a command was made of: mode and motors in one message (xrce.md, section 4)."""
     is_command = len(data) > 100 and data[1] == 1 and data[4] == data[28] == 9 and data[30] == 0x48
     return int.from_bytes(data[44:52], "little") if is_command else None
+
+
+def cpu_of(process: int) -> float:
+    """s of a core that a process has taken so far."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def cost() -> tuple[float, float]:
@@ -160,22 +172,19 @@ def main() -> None:
     rounds = int(sys.argv[2]) if len(sys.argv) > 2 else 2
     at_priority(PRIORITY + 5)
     delays: dict[str, list[float]] = {"MAVLink": [], "XRCE": []}
-    busy = dict.fromkeys(delays, 0.0)
+    busy: dict[str, list[float]] = {which: [] for which in delays}
     with tempfile.TemporaryDirectory() as name:
         directory = Path(name)
         mavlink, over_xrce = clients(directory)
         for _ in range(rounds):
             for which in delays:
-                agent, port = free_port(), free_port()
-                client = mavlink if which == "MAVLink" else over_xrce(agent)
-                client.delays = []
-                meter = Meter(client, port) if client is mavlink else XrceMeter(client, port, agent)
-                before = resource.getrusage(resource.RUSAGE_CHILDREN)
-                with running(client.command(port, directory), directory / "said.txt"):
-                    meter.run(WARM_UP + round(seconds / PERIOD), 2.0 * seconds + 20.0)
-                after = resource.getrusage(resource.RUSAGE_CHILDREN)
-                busy[which] += after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-                delays[which] += client.delays
+                port, agent = free_port(), free_port() if which == "XRCE" else None
+                client = mavlink if agent is None else over_xrce(agent)
+                meter = PairedMeter(client, port, agent)
+                with running(client.command(port, directory), directory / "said.txt") as process:
+                    meter.measure(process, seconds)
+                busy[which].append(meter.busy)
+                delays[which] += meter.found[WARM_UP:]
         if not all(delays.values()):
             sys.exit((directory / "said.txt").read_text()[-3000:])
     p50 = {which: float(np.median(found)) for which, found in delays.items()}
@@ -184,7 +193,7 @@ def main() -> None:
     ratio = p50["XRCE"] / p50["MAVLink"]
     each, rate = cost()
     share = 1e-6 * each * MESSAGES
-    more = (busy["XRCE"] - busy["MAVLink"]) / (rounds * (seconds + WARM_UP * PERIOD))
+    more = float(np.mean(busy["XRCE"]) - np.mean(busy["MAVLink"]))
     print(f"p50 over XRCE {ratio:.2f} times that over MAVLink (target {TARGET_RATIO:g})")
     print(
         f"{each:.1f} us a message ({rate:.0f} a second here): {100 * share:.2f} % of a core at {MESSAGES:.0f} a second"

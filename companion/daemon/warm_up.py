@@ -30,6 +30,8 @@ class WarmUp:
         if early is None:
             pilot.supervise(plan, memory, tick.observation, tick.now, early)
         setpoint = tick.outcome.setpoint if early is None else early.steered.setpoint
-        if not isinstance(setpoint, TorqueSetpoint):
+        if conductor.xrce is not None:
+            conductor.xrce.rehearse(setpoint, tick.observation.state.t_boot)
+        elif not isinstance(setpoint, TorqueSetpoint):
             self._encoder.encode(*setpoints.encoded(setpoint, tick.observation.state.t_boot, 1, 1))
         return True

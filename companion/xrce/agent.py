@@ -142,15 +142,22 @@ class Agent:
         """The layout of one of this client's topics. TopicError: it is not known here."""
         return topics.layout(topic, versioned=self.versioned)
 
-    def write(self, samples: Sequence[tuple[str, bytes]]) -> bool:
-        """Queue samples, topic and CDR, as one message. False: PX4 does not read all of them; then none is sent."""
+    def encoded(self, samples: Sequence[tuple[str, bytes]]) -> bytes | None:
+        """The next message with these samples, topic and CDR; None: PX4 does not read all of them."""
         session = self._session
         readers = [self.reading.get(topic) for topic, _ in samples]
         if session is None or None in readers or not samples:
-            return False
+            return None
         data = [(reader.ids, cdr) for reader, (_, cdr) in zip(readers, samples, strict=True) if reader is not None]
-        self._answers.append(wire.encode_samples(session.number, session.sent, data))
-        session.sent = ahead(session.sent + 1, 0)
+        return wire.encode_samples(session.number, session.sent, data)
+
+    def write(self, samples: Sequence[tuple[str, bytes]]) -> bool:
+        """Queue samples as one message. False: PX4 does not read all of them; then none is sent."""
+        message = self.encoded(samples)
+        if message is None or self._session is None:
+            return False
+        self._answers.append(message)
+        self._session.sent = ahead(self._session.sent + 1, 0)
         return True
 
     def datagrams(self, now: float) -> list[bytes]:

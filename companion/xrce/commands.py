@@ -169,6 +169,11 @@ class Commands:
         self.kept_back += flies and not done
         return done
 
+    def rehearse(self, setpoint: Setpoint, t_boot: float) -> None:
+        """Encode a command, and forget it: the next finds code and data in the caches."""
+        mode = self._sample(MODE, **{FLAG[self.level]: True})
+        self.agent.encoded([mode, *self._command(setpoint, round(t_boot * 1e6))])
+
     def words(self) -> list[str]:
         """What was lost or refused so far, for people."""
         found, counters = [], self.agent.counters

@@ -155,6 +155,17 @@ def test_while_it_is_commanded_the_client_waits_on_its_socket() -> None:
     assert len(vehicle.commands.datagrams(AT)) == 1
 
 
+def test_a_rehearsal_leaves_nothing_behind() -> None:
+    vehicle = Vehicle(MOTORS)
+    vehicle.says(AT, "offboard")
+    vehicle.commands.rehearse(SETPOINTS[MOTORS], 1.0)
+    assert vehicle.commands.datagrams(AT) == []
+    assert vehicle.commands.sent == 0
+    vehicle.commands.send(SETPOINTS[MOTORS], 1.0, AT, True)
+    (data,) = vehicle.commands.datagrams(AT)
+    assert wire.decode(data).sequence == 0
+
+
 def test_what_was_lost_or_refused_is_told() -> None:
     vehicle = Vehicle(MOTORS)
     vehicle.commands.agent.counters = Counters()
