@@ -89,6 +89,7 @@ def connect(
 @pytest.mark.parametrize(("timesync", "limit"), [(False, 5.0), (True, 15.0)], ids=["SYNCT 0", "SYNCT 1"])
 def test_connects_through_a_link_that_loses_15_percent_each_way(timesync: bool, limit: float) -> None:
     took, agent, client, step = connect(0.15, timesync=timesync, limit=limit)
+    print(f"connected after {took:.1f} s")
     assert agent.sessions == 1
     assert len(agent.reading) == 38
     assert took > (5.0 if timesync else 0.0)
