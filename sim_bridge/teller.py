@@ -39,9 +39,10 @@ class Teller:
                     for link in self._links:
                         link.say(text)
             commander.texts.clear()
-        if commander.mode is not self._logged:
-            self._logged = commander.mode
-            self._note(f"mode {commander.mode.name}{'' if commander.failsafe is None else ' (failsafe)'}", now)
+        mode = commander.mode
+        if mode is not self._logged:
+            self._logged = mode
+            self._note(f"mode {mode.name}{'' if commander.failsafe is None else ' (failsafe)'}", now)
 
     def _note(self, line: str, now: float) -> None:
         """Log a line, but not again and again what somebody provokes many times a second."""

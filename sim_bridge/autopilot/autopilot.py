@@ -143,18 +143,18 @@ class Autopilot:
             return None
         if mode is not self._flown:
             self._enter(mode)
-        written = self.offboard_flight.topics.take_fresh(self.level)
+        written = self.offboard_flight.topics.take_fresh(level := self.level)
         if written is not None and not isinstance(written, PAST_THE_LOOPS):
             return fly(cascade, now, written, commander.landed)
-        own = self._control(now, mode)
+        own = self._control(now, mode, level)
         return own if written is None else self.offboard_flight.fight(written)
 
-    def _control(self, now: Estimate, mode: Mode) -> Four:
+    def _control(self, now: Estimate, mode: Mode, level: Level) -> Four:
         """What the vehicle's own loops make of the mode."""
         commander, cascade = self.commander, self.cascade
-        if mode is Mode.OFFBOARD or (mode in EXTERNAL and self.level >= Level.ATTITUDE):
+        if mode is Mode.OFFBOARD or (mode in EXTERNAL and level >= Level.ATTITUDE):
             on = Ground(commander.landed, self._stands, self._landing.touching)
-            return self.offboard_flight.fly(now, self.level, on, self.t - commander.armed_at)
+            return self.offboard_flight.fly(now, level, on, self.t - commander.armed_at)
         if mode in MANUAL:
             return self._fly_by_stick(now)
         if cascade.wants_target:

@@ -73,7 +73,10 @@ class ExternalModes:
 
     def of(self, mode: Mode) -> Registration | None:
         """Who brings a mode."""
-        return next((each for each in self._registered.values() if each.mode is mode), None)
+        for each in self._registered.values():
+            if each.mode is mode:
+                return each
+        return None
 
     def can_run(self, mode: Mode) -> bool:
         """Whether a mode is there, answers and says that it can be flown."""

@@ -63,6 +63,8 @@ class Topics:
     def take_fresh(self, flown: Level) -> TopicSetpoint | None:
         """What was written since the last step below the level that is flown: the lowest of it counts, and then the
         vehicle's loops have written there again."""
+        if not self._last:
+            return None
         fresh, self._fresh = self._fresh, {}
         self._last = {level: written for level, written in self._last.items() if level <= flown}
         lowest = max(fresh, default=None)
