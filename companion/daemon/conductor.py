@@ -184,8 +184,8 @@ class Conductor:
 
     def next_timer(self) -> float:
         """When ``on_timer`` wants to be called."""
-        waiting = (self.link, self.parameters, self.ground, self.payload)
-        return min(*(part.next_timer() for part in waiting), self._wake_at)
+        link, parameters, ground, payload = self.link, self.parameters, self.ground, self.payload
+        return min(self._wake_at, link.next_timer(), parameters.next_timer(), ground.next_timer(), payload.next_timer())
 
     def datagrams(self) -> list[bytes]:
         """What is to be sent now, as it was queued. What ``supervise`` queues comes after ``sent``."""

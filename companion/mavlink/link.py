@@ -163,10 +163,10 @@ class Link:
 
     def next_timer(self) -> float:
         """When ``on_timer`` has something to do."""
-        due = [self._heartbeat_at + HEARTBEAT_PERIOD]
-        if self.identity is not None:
-            due += (self._timesync_at + TIMESYNC_PERIOD, self.requests.next_timer())
-        return min(due)
+        heartbeat_at = self._heartbeat_at + HEARTBEAT_PERIOD
+        if self.identity is None:
+            return heartbeat_at
+        return min(heartbeat_at, self._timesync_at + TIMESYNC_PERIOD, self.requests.next_timer())
 
     def on_new_source(self, now: float) -> None:
         """The vehicle was met at another source: it may have been started again, so everything is asked once more."""

@@ -141,7 +141,9 @@ class Parameters:
 
     def next_timer(self) -> float:
         """When ``on_timer`` has something to do."""
-        return min((asked.at + RETRY_AFTER for asked in self._asked.values()), default=math.inf)
+        if not self._asked:
+            return math.inf
+        return min(asked.at + RETRY_AFTER for asked in self._asked.values())
 
     def tuning(self) -> Tuning:
         """What of it matters to the law and the guards, in our units."""

@@ -10,6 +10,7 @@ from companion.flight.conduct import ControlAuthority
 from companion.flight.link_needs import NEEDS
 from companion.flight.phases import FLOWN, PHASES, Phase
 from companion.flight.situation import Situation
+from companion.frames import clamped
 from companion.pilot.memory import Memory, Observation
 from companion.pilot.targets import END_WITHIN, goes_back, is_at, remaining, rests
 from companion.plan import Plan
@@ -45,6 +46,7 @@ def safety_inputs(
     steered = memory.steering.steered if memory.phase in FLOWN else None
     follows = follows_commands(observation.status, now)
     asked = None if steered is None else steered.setpoint
+    turning = math.hypot(*state.w_b)
     return conditions.SafetyInputs(
         status=status,
         following=memory.phase is Phase.FOLLOW and memory.path.reached,
@@ -54,10 +56,10 @@ def safety_inputs(
         from_home=None if home is None else math.hypot(x - home[0], y - home[1]),
         above_home=None if home is None else home[2] - z,
         tilt=state.tilt,
-        tilt_error=0.0 if steered is None else math.acos(min(max(steered.command.aligned, -1.0), 1.0)),
+        tilt_error=0.0 if steered is None else math.acos(clamped(steered.command.aligned, -1.0, 1.0)),
         rate_error=math.dist(asked.rates_b, state.w_b) if isinstance(asked, RateSetpoint) else None,
-        turning=math.hypot(*state.w_b),
-        still=math.hypot(*state.v_n) < STILL and math.hypot(*state.w_b) < STILL,
+        turning=turning,
+        still=turning < STILL and math.hypot(*state.v_n) < STILL,
         saturated=steered is not None and steered.saturated,
         thrust_share=0.0 if steered is None or not follows else steered.thrust_share,
         sinking=state.v_n[2],

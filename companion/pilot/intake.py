@@ -13,6 +13,7 @@ from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import Phase, Request
 from companion.frames import Vec3, conjugate, multiply
 from companion.pilot.memory import OWN_MODE, Memory, Observation, StateWatch, Sums
+from companion.pilot.thrust_response import ThrustResponse
 from companion.vehicle import Mode, VehicleState
 
 CLOCK_BACK = 1.0
@@ -76,9 +77,11 @@ def take_in(memory: Memory, observation: Observation, now: float, *, clock_may_s
     if passed > 0.0:
         same_place = new.p_n == old.p_n and (same_place or math.hypot(*new.v_n) > MOVES)
         same_attitude = new.q_nb == old.q_nb and (same_attitude or math.hypot(*new.w_b) > TURNS)
-    watch = watch._replace(
-        jump=jump, flagged=flagged, clock_jump=max(ahead, 0.0), same_place=same_place, same_attitude=same_attitude,
-        gaps=gaps, arrived_at=now, late=observation.late, unusable=None, older=0,
+    watch = StateWatch(
+        arrived_at=now, late=observation.late, gaps=gaps, jump=jump, flagged=flagged, clock_jump=max(ahead, 0.0),
+        older=0, unusable=None, same_place=same_place, same_attitude=same_attitude,
+        checked=watch.checked, sums=watch.sums, place_stands=watch.place_stands, attitude_stands=watch.attitude_stands,
+        velocity_off=watch.velocity_off, rates_off=watch.rates_off, thrust_response=watch.thrust_response,
     )  # fmt: skip
     runs = memory.clock_runs or passed > 0.0
     return memory._replace(state=new, state_at=now - observation.late, watch=watch, clock_runs=runs)
@@ -116,11 +119,14 @@ def _unusable(watch: StateWatch, passed: float, late: float) -> StateWatch:
 NO_SUMS = Sums()
 
 
-def compare_states(watch: StateWatch, new: VehicleState) -> StateWatch:
-    """The watch once a state was compared with the one before. Nothing of it is needed before the setpoint is sent."""
+def compare_states(watch: StateWatch, new: VehicleState, response: ThrustResponse) -> StateWatch:
+    """The watch once a state was compared with the one before, and the thrust with what was commanded (``response``).
+    Nothing of it is needed before the setpoint is sent."""
     old = watch.checked
     if old is None or new.resets != old.resets or not 0.0 < new.t_boot - old.t_boot < WINDOW:
-        return watch._replace(checked=new, sums=NO_SUMS, place_stands=False, attitude_stands=False)
+        return watch._replace(
+            checked=new, sums=NO_SUMS, place_stands=False, attitude_stands=False, thrust_response=response
+        )
     dt = new.t_boot - old.t_boot
     keep = 1.0 - dt / WINDOW
     w, x, y, z = multiply(conjugate(old.q_nb), new.q_nb)
@@ -133,13 +139,24 @@ def compare_states(watch: StateWatch, new: VehicleState) -> StateWatch:
         _summed(sums.by_rates, keep, new.w_b, dt),
     )
     should_move, should_turn = math.hypot(*sums.by_velocity), math.hypot(*sums.by_rates)
-    return watch._replace(
+    return StateWatch(
+        arrived_at=watch.arrived_at,
+        late=watch.late,
+        gaps=watch.gaps,
+        jump=watch.jump,
+        flagged=watch.flagged,
+        clock_jump=watch.clock_jump,
+        older=watch.older,
+        unusable=watch.unusable,
+        same_place=watch.same_place,
+        same_attitude=watch.same_attitude,
         checked=new,
         sums=sums,
         place_stands=should_move > MOVES_SURELY * WINDOW and math.hypot(*sums.moved) < STANDS * should_move,
         attitude_stands=should_turn > TURNS_SURELY * WINDOW and math.hypot(*sums.turned) < STANDS * should_turn,
         velocity_off=math.dist(sums.moved, sums.by_velocity) / WINDOW,
         rates_off=math.dist(sums.turned, sums.by_rates) / WINDOW,
+        thrust_response=response,
     )
 
 

@@ -29,13 +29,22 @@ from companion.flight.conduct import ControlAuthority
 from companion.flight.guards import STREAM_FIRST
 from companion.flight.interruptions import SILENT_AFTER, STATE_AGE_MAX
 from companion.flight.phases import PHASES, Event, Phase, Request
-from companion.frames import euler_from_rotation
+from companion.frames import clamped, euler_from_rotation
 from companion.law.errors import LawError
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.mission import PathAction
 from companion.pilot.inputs import is_thrust_judged, safety_inputs
 from companion.pilot.intake import compare_states, take_in
-from companion.pilot.memory import LawOutput, Memory, Observation, Outcome, Progress, StateWatch, SteeringRecord
+from companion.pilot.memory import (
+    LawOutput,
+    Memory,
+    Observation,
+    Outcome,
+    PathMemory,
+    Progress,
+    StateWatch,
+    SteeringRecord,
+)
 from companion.pilot.payload import due
 from companion.pilot.targets import (
     choose_aim,
@@ -120,8 +129,12 @@ def supervise(
     """
     fresh = observation.state is not None and observation.state is memory.state
     if fresh and observation.state is not None:
-        memory = trim_aim(plan, _update_progress(plan, memory, observation.state))
-        memory = memory._replace(watch=_compare_state(plan, memory, observation.state, observation.link_delay or 0.0))
+        state = observation.state
+        memory = memory._replace(
+            path=_update_progress(plan, memory, state),
+            watch=_compare_state(plan, memory, state, observation.link_delay or 0.0),
+        )
+        memory = trim_aim(plan, memory)
     status = observation.status.known(now)
     breaches, verdict = safety.update_breaches(
         memory.breaches, safety_inputs(plan, memory, observation, status, now), plan.conduct.limits, now
@@ -149,15 +162,12 @@ def supervise(
 
 def _compare_state(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> StateWatch:
     """What the state says against the one before, and against what was commanded."""
-    old, steered, vehicle = memory.watch.checked, memory.steering.steered, plan.vehicle
-    watch = compare_states(memory.watch, state)
-    if old is None or steered is None:
-        return watch
-    judged = is_thrust_judged(plan, memory)
-    response = update_thrust_response(
-        watch.thrust_response, old, state, steered, vehicle.mass, vehicle.gravity, delay, judged
-    )
-    return watch._replace(thrust_response=response)
+    watch, steered, vehicle = memory.watch, memory.steering.steered, plan.vehicle
+    old, response = watch.checked, watch.thrust_response
+    if old is not None and steered is not None:
+        judged = is_thrust_judged(plan, memory)
+        response = update_thrust_response(response, old, state, steered, vehicle.mass, vehicle.gravity, delay, judged)
+    return compare_states(watch, state, response)
 
 
 class Commanded(NamedTuple):
@@ -195,19 +205,20 @@ def _command(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Comma
     return memory, command
 
 
-def _update_progress(plan: Plan, memory: Memory, state: VehicleState) -> Memory:
-    """The memory with where a new state is along the path."""
-    known, moved = memory.path.progress, 0.0
+def _update_progress(plan: Plan, memory: Memory, state: VehicleState) -> PathMemory:
+    """Where a new state is along the path."""
+    path, moved = memory.path, 0.0
+    known = path.progress
     if known is None or memory.watch.jump > SEARCH_ANEW:
         s, distance = plan.table.locate(state.p_n)
     else:
         # a step no longer than the vehicle can have come: a path that crosses itself keeps its branch
         s, distance = plan.table.nearest(state.p_n, known.s, 1.0 + 0.2 * math.hypot(*state.v_n))
         if memory.phase is Phase.FOLLOW:
-            moved = plan.direction * memory.path.leg * plan.table.difference(s, known.s)
+            moved = plan.direction * path.leg * plan.table.difference(s, known.s)
     progress = Progress(s, moved if known is None else known.travelled + moved, distance)
-    reached = memory.path.reached or (memory.phase is Phase.FOLLOW and distance < REACHED_WITHIN)
-    return memory._replace(path=memory.path._replace(progress=progress, reached=reached))
+    reached = path.reached or (memory.phase is Phase.FOLLOW and distance < REACHED_WITHIN)
+    return PathMemory(progress, path.follow_from, path.leg_from, path.leg, path.legs, path.aim, reached)
 
 
 def _keep_steering(plan: Plan, memory: Memory, output: LawOutput) -> Memory:
@@ -226,14 +237,15 @@ def _steer(plan: Plan, memory: Memory, observation: Observation) -> LawOutput:
     steering = plan.steering.begin(state) if last.memory is None else last.memory
     dt = 0.0
     if memory.phase not in (Phase.TAKE_OVER, Phase.REHEARSE) and last.steered_at is not None:
-        dt = min(max(state.t_boot - last.steered_at, 0.0), DT_MAX)
-    wanted = min(max(observation.speed_scale, 0.0), plan.conduct.speed_scale_max)
+        dt = clamped(state.t_boot - last.steered_at, 0.0, DT_MAX)
+    wanted = clamped(observation.speed_scale, 0.0, plan.conduct.speed_scale_max)
     scale = update_speed_scale(memory, wanted, dt)
     if scale != last.scale:
         memory = memory._replace(steering=last._replace(scale=scale))
     aim, ramp = choose_aim(plan, memory)
     steered = plan.steering.steer(steering, state, dt, aim, observation.link_delay)
-    return LawOutput(steered, ramp._replace(value=ramp.value * steered.command.end_scale), scale)
+    end_scale = steered.command.end_scale
+    return LawOutput(steered, ramp if end_scale == 1.0 else ramp._replace(value=ramp.value * end_scale), scale)
 
 
 def _judge_bench(plan: Plan, memory: Memory, notes: list[str]) -> Memory:

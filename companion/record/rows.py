@@ -127,10 +127,6 @@ def _member(kind: type[E], index: int) -> E | None:
     return None if index == NONE else list(kind)[index]
 
 
-def _flag(value: bool | None) -> int:
-    return NONE if value is None else int(value)
-
-
 def _unflag(value: int) -> bool | None:
     return None if value == NONE else bool(value)
 
@@ -145,29 +141,34 @@ def _unnumber(value: float) -> float | None:
 
 _NO_STATE = (0, *(math.nan,) * 14, NONE)
 """The columns of a state where there is none."""
+_NOT_SAID = (math.nan, math.nan)
+"""The columns of when a fact was said and how long that counts, where it was not."""
 _NOT_SENT = (math.nan,) * 5
 """The columns of a setpoint where none was sent."""
 
 
 def observation_row(observation: Observation, now: float) -> Row:
     """The columns ``OBSERVATION_COLUMNS``."""
-    state, status, answer = observation.state, observation.status, observation.answer
-    said = status.last
+    state, answer = observation.state, observation.answer
+    armed, mode, intended, landed, ready, failsafe, battery, estimator, was_armed = observation.status
     if state is None:
         state_row: Row = _NO_STATE
     else:
         state_row = (1, state.t_boot, *state.p_n, *state.v_n, *state.q_nb, *state.w_b, state.resets)
+    ages: list[float] = []
+    for fact in (armed, mode, intended, landed, ready, failsafe, battery, estimator):
+        ages += _NOT_SAID if fact is None else (fact.at, fact.lasts)
     return (
         now,
         *state_row,
-        _flag(said.armed),
-        _index(said.mode),
-        _index(said.intended),
-        _index(said.landed),
-        _flag(said.ready),
-        _flag(said.failsafe),
-        _number(said.battery),
-        NONE if said.estimator is None else said.estimator,
+        NONE if armed is None else int(armed.value),
+        NONE if mode is None else _index(mode.value),
+        NONE if intended is None else _index(intended.value),
+        NONE if landed is None else _index(landed.value),
+        NONE if ready is None else int(ready.value),
+        NONE if failsafe is None else int(failsafe.value),
+        math.nan if battery is None else battery.value,
+        NONE if estimator is None else estimator.value,
         NONE if answer is None else _index(answer.request),
         NONE if answer is None else _index(answer.reply),
         int(observation.stop),
@@ -178,13 +179,9 @@ def observation_row(observation: Observation, now: float) -> Row:
         observation.speed_scale,
         observation.late,
         _number(observation.clock_rate),
-        int(status.was_armed),
-        *(value for fact in status[: len(FACTS)] for value in _age(fact)),
+        int(was_armed),
+        *ages,
     )
-
-
-def _age(fact: Any) -> tuple[float, float]:
-    return (math.nan, math.nan) if fact is None else (fact.at, fact.lasts)
 
 
 def setpoint_row(setpoint: Setpoint | None) -> tuple[int, float, float, float, float, float]:
