@@ -1,7 +1,8 @@
 """How right the estimator is about its vehicle, and whether it knows: flights in a noisy world with wrong files.
 
 Truth is known of the stand-in: thrust scale, drag, and the disturbance, which is the wind's drag and what the tilt error
-of the vehicle's own estimate explains. NEES is that of (scale, drag, disturbance), five numbers.
+of the vehicle's own estimate explains (what its heading error explains is a number of its own in the filter). NEES is
+that of (scale, drag, disturbance), five numbers.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from companion.daemon.conductor import Conductor
 from companion.estimation.kalman import Belief
 from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, SIZE, THRUST_SCALE
 from companion.flight.phases import Phase
-from companion.frames import rotation_matrix
+from companion.frames import Quaternion, Vec3, body_z_axis, conjugate, multiply, normalised
 from companion.vehicle import OutputLevel
 from companion.world import World
 from sim_bridge.plant import Truth
@@ -68,10 +69,7 @@ def trial(
         estimate = memory.steering.memory.estimate.motion
         scale = steering.hover_thrust / (true.weight / true.thrust_max)  # type: ignore[union-attr]
         thrust = sum(truth.rotor_thrusts) / true.mass
-        b, seen = rotation_matrix(truth.q_nb), rotation_matrix(estimate.state.q_nb)
-        pushed = [
-            true.drag * wind + thrust * (seen[3 * axis + 2] - b[3 * axis + 2]) for axis, wind in enumerate(where.wind_n)
-        ]
+        pushed = np.multiply(true.drag, where.wind_n) + np.multiply(thrust, _leaning(truth.q_nb, estimate.state.q_nb))
         belief = estimate.estimator.belief
         error = np.array(
             [belief.thrust_scale - scale, belief.drag - true.drag, *np.subtract(belief.disturbance_n, pushed)]
@@ -83,6 +81,14 @@ def trial(
         course(mission, speed, level), believed, where, level, seed=seed, duration=duration, watch=watch
     )
     return Trial(flight, _windows(np.array(rows)))
+
+
+def _leaning(q_nb: Quaternion, seen: Quaternion) -> Vec3:
+    """The thrust axis as seen, the heading error (the turn about the vertical) taken out, minus the true one."""
+    w, x, y, _ = multiply(seen, conjugate(q_nb))
+    tilted = multiply((w, x, y, 0.0), q_nb)
+    (a, b, c), (i, j, k) = body_z_axis(normalised(tilted)), body_z_axis(q_nb)
+    return (a - i, b - j, c - k)
 
 
 def covariance(belief: Belief) -> NDArray[np.float64]:

@@ -3,9 +3,10 @@
 Of each axis, and of the vehicle:
 
     P' = V + U                       P: the reported position              U' = -U / 0.5 s + noise
-    V' = g e3 - k F - c V + D + W                                       B' = -B / 3.5 s + noise
+    V' = g e3 - k (F - E e3 x F) - c V + D + W                          B' = -B / 3.5 s + noise
     measured:  P and V + B           D: slow disturbance, W: gusts         W' = -W / 1 s + noise
     k' = c' = noise                  D' = noise (level), -D / 10 s + noise (vertical)
+                                 E: the heading's error                 E' = -E / 3.2 s + noise
 
 ``F``: the commanded thrust over mass, lagged by the motors, along the thrust axis (m/s^2), a mean over the step.
 ``k``: the thrust scale, thrust made over thrust commanded (hover thrust, mass, battery). ``c``: drag over mass.
@@ -19,7 +20,9 @@ do. On a recorded circle such a filter came to 1.4 times the thrust scale and dr
 In level flight k is hardly told from a vertical disturbance. What tells them apart is physics: air seldom pushes
 a quadrotor up or down for long. So the vertical D is a process with a small stationary deviation, and what the
 horizontals do not say goes to k. The level D also takes the tilt error of the vehicle's estimate, g times it, which
-is not told from a steady wind and acts like one.
+is not told from a steady wind and acts like one. The error E of the reported heading turns the thrust that leans: on a
+circle that stays along the motion or against it, and would be taken for drag (0.02 1/s a degree at 5 m/s on 5 m). Each
+axis has an E of its own, so that the axes stay apart.
 
 The covariance is full, kept in parts by what the axes have in common; a step is recorded once and printed as
 straight-line floats.
@@ -38,6 +41,8 @@ from companion.estimation.kalman_step import (
     DRAG,
     EAST,
     GUST,
+    HEADING_ERROR,
+    HEADING_ERROR_VARIANCE,
     NORTH,
     PER_AXIS,
     POSITION,
@@ -60,14 +65,15 @@ T_AT = G_AT + 2 * AXES * PER_AXIS
 """Index of T in it. By definition of the model."""
 PRIOR_POSITION_STD = 1e-3
 """m. The reported position is what is followed, whatever the true one. Engineering choice."""
-PRIOR_DISTURBANCE_STD: Vec3 = (1.5, 1.5, 0.1)
-"""m/s^2. Engineering choice: a wind of 5 m/s on a vehicle with a third of the drag of PX4's simulated one."""
+PRIOR_DISTURBANCE_STD: Vec3 = (1.5, 1.5, 0.05)
+"""m/s^2. Engineering choice: a wind of 5 m/s on a vehicle with a third of the drag of PX4's simulated one; vertical the
+stationary deviation."""
 
 
 class Belief(NamedTuple):
-    """``x``: (P, V, U, B, D, W) of each axis, k, c. Its covariance in three parts (see ``kalman_step``): ``S``, of
-    each axis given k and c, an upper triangle row by row; ``G``, each axis over k and c, row by row; ``T``, of
-    k and c."""
+    """``x``: (P, V, U, B, D, W, E) of each axis, k, c. Its covariance in three parts (see ``kalman_step``): ``S``,
+    of each axis given k and c, an upper triangle row by row; ``G``, each axis over k and c, row by row; ``T``,
+    of k and c."""
 
     x: tuple[float, ...]
     S: tuple[float, ...]
@@ -100,11 +106,16 @@ class Belief(NamedTuple):
             x[DOWN + DISTURBANCE] + x[DOWN + GUST],
         )
 
-    @property
-    def apparent_disturbance_n(self) -> Vec3:
-        """m/s^2, what acts on the reported motion beside thrust and the drag of its velocity V + U: D + W + c U."""
-        (a, b, c), x, drag = self.disturbance_n, self.x, self.x[DRAG]
-        return (a + drag * x[NORTH + WANDER], b + drag * x[EAST + WANDER], c + drag * x[DOWN + WANDER])
+    def apparent_disturbance_n(self, specific_thrust_n: Vec3) -> Vec3:
+        """m/s^2, what acts on the reported motion beside thrust as reported and the drag of its velocity V + U: D + W +
+        c U, and what the heading's error makes of the thrust. ``specific_thrust_n``: F, m/s^2."""
+        (a, b, c), x, drag, scale = self.disturbance_n, self.x, self.x[DRAG], self.x[THRUST_SCALE]
+        fx, fy, _ = specific_thrust_n
+        return (
+            a + drag * x[NORTH + WANDER] - scale * fy * x[NORTH + HEADING_ERROR],
+            b + drag * x[EAST + WANDER] + scale * fx * x[EAST + HEADING_ERROR],
+            c + drag * x[DOWN + WANDER],
+        )
 
     @property
     def bias_n(self) -> Vec3:
@@ -167,6 +178,7 @@ def initial_belief(
         x[at + DISTURBANCE] = disturbance_n[axis]
         S[DIAGONAL[at + DISTURBANCE]] = PRIOR_DISTURBANCE_STD[axis] ** 2
         S[DIAGONAL[at + GUST]] = noise.gust[axis]
+        S[DIAGONAL[at + HEADING_ERROR]] = HEADING_ERROR_VARIANCE
     x[THRUST_SCALE], x[DRAG] = thrust_scale[0], drag[0]
     T = (thrust_scale[1] ** 2, 0.0, drag[1] ** 2)
     return reset_position_velocity(Belief(tuple(x), tuple(S), (0.0,) * (2 * AXES * PER_AXIS), T), p_n, v_n, noise)

@@ -23,11 +23,11 @@ from companion.calculus.straight import Function, Tape
 from companion.estimation.translation import Scalar3, acceleration
 from companion.frames import Vec3
 
-PER_AXIS = 6
-"""Number of states of each axis: P, V, U, B, D, W. By definition of the model."""
+PER_AXIS = 7
+"""Number of states of each axis: P, V, U, B, D, W, E. By definition of the model."""
 AXES = 3
 """Number of axes: north, east, down. By definition."""
-POSITION, VELOCITY, WANDER, VELOCITY_ERROR, DISTURBANCE, GUST = range(PER_AXIS)
+POSITION, VELOCITY, WANDER, VELOCITY_ERROR, DISTURBANCE, GUST, HEADING_ERROR = range(PER_AXIS)
 NORTH, EAST, DOWN = (PER_AXIS * axis for axis in range(AXES))
 """Index of the first state of each axis."""
 THRUST_SCALE = AXES * PER_AXIS
@@ -49,19 +49,25 @@ VELOCITY_ERROR_TIME = 3.5
 """s, time constant of B. Recorded in the same session: 3 to 4 s."""
 GUST_TIME = 1.0
 """s, time constant of W. Engineering choice: 5 m of gust at 5 m/s."""
+HEADING_ERROR_TIME = 3.2
+"""s, time constant of E: the smooth heading error of a PX4 that shakes (two lags of 1.6 s in sih_noisy) has the power
+below 0.1 Hz of one such lag. Recorded in the same session: 2 to 5.5 s."""
+HEADING_ERROR_VARIANCE = 0.02**2
+"""rad^2, stationary variance of E: 1.1 deg as in sih_noisy. Recorded in the same session: 1.7 deg."""
 DISTURBANCE_TIME: Vec3 = (1e9, 1e9, 10.0)
 """s, time constant of D: the wind stays, a vertical push does not. Engineering choice."""
-DISTURBANCE_Q: Vec3 = (0.01, 0.01, 0.002)
-"""m^2/s^5, process noise of D. Level: a tilt error of 0.7 deg over 3 s, and wind; vertical: 0.1 m/s^2 stationary,
-the prior that tells the thrust scale from it. Engineering choice."""
+DISTURBANCE_Q: Vec3 = (0.001, 0.001, 0.0005)
+"""m^2/s^5, process noise of D. Level: 0.25 m/s^2 in a minute, a wind that changes by 1 m/s on a drag of 0.25 (what
+comes and goes is W); vertical: 0.05 m/s^2 stationary, the prior that tells the thrust scale from it: what a tilt error
+of 0.7 deg makes of a thrust that leans by 25 deg. Engineering choice."""
 POSITION_Q = 1e-8
 """m^2/s, process noise of P beyond its wander: none but rounding. Engineering choice."""
 VELOCITY_Q = 1e-4
 """m^2/s^3, process noise of V beyond D and W: the motors' noise. Engineering choice."""
 THRUST_SCALE_Q = 1e-5
 """1/s, process noise of the thrust scale: 2.4 % in a minute, a battery that sags. Engineering choice."""
-DRAG_Q = 1e-4
-"""1/s^3, process noise of c: a payload that turns, rotors that speed up. Engineering choice."""
+DRAG_Q = 1e-5
+"""1/s^3, process noise of c: 0.024 1/s in a minute, a payload that turns, rotors that speed up. Engineering choice."""
 POSITION_R_MIN = 3e-4**2
 """m^2, variance of the reported position, sample by sample. Recorded in the same session: 0.1 mm."""
 POSITION_Q_GAIN = 24.0
@@ -98,8 +104,10 @@ def _recorded(name: str, *, learning: bool) -> Function:
     tkk, tkc, tcc = tape.inputs("tkk", "tkc", "tcc")
     T: Matrix = [[tkk, tkc], [tkc, tcc]]
     Q = (scale_q * dt, DRAG_Q * dt)
+    across: tuple[Scalar, ...] = (F[1] * -1.0, F[0], 0.0)  # e3 x F, by which E turns it
+    f = [known - x[HEADING_ERROR] * turn for known, x, turn in zip(F, states, across, strict=True)]
     accelerations = acceleration(
-        (scale * F[0], scale * F[1], scale * F[2]), _each(states, VELOCITY), g, c,
+        (scale * f[0], scale * f[1], scale * f[2]), _each(states, VELOCITY), g, c,
         _each([[*x, x[DISTURBANCE] + x[GUST]] for x in states], PER_AXIS),
     )  # fmt: skip
     axes = []
@@ -108,8 +116,9 @@ def _recorded(name: str, *, learning: bool) -> Function:
         noises = (
             POSITION_Q + (noise_p - POSITION_R_MIN) * POSITION_Q_GAIN, VELOCITY_Q, u * (2.0 / WANDER_TIME),
             b * (2.0 / VELOCITY_ERROR_TIME), DISTURBANCE_Q[axis], w * (2.0 / GUST_TIME),
+            2.0 * HEADING_ERROR_VARIANCE / HEADING_ERROR_TIME,
         )  # fmt: skip
-        rows, by_q = _transition(axis, dt, c), (F[axis], x[VELOCITY])
+        rows, by_q = _transition(axis, dt, c, scale * across[axis]), (f[axis], x[VELOCITY])
         known = _predict(_as_axis(x, S, G), rows, dt, accelerations[axis], by_q)
         for i, noise in enumerate(noises):
             known.S[i][i] = known.S[i][i] + noise * dt
@@ -141,13 +150,15 @@ def _as_axis(x: Sequence[Scalar], upper: Sequence[Scalar], slopes: Sequence[Scal
     return _Axis(list(x), S, [list(slopes[2 * i : 2 * i + 2]) for i in range(PER_AXIS)])
 
 
-def _transition(axis: int, dt: Scalar, c: Scalar) -> Rows:
-    """Of the deviations over ``dt`` s: each lag exactly in its decay to first order."""
+def _transition(axis: int, dt: Scalar, c: Scalar, across: Scalar) -> Rows:
+    """Of the deviations over ``dt`` s: each lag exactly in its decay to first order. ``across``: m/s^2 for a radian of
+    E."""
     rows = Rows()
     rows[POSITION] = [(POSITION, 1.0), (VELOCITY, dt), (WANDER, dt)]
-    rows[VELOCITY] = [(VELOCITY, 1.0 - dt * c), (DISTURBANCE, dt), (GUST, dt)]
+    rows[VELOCITY] = [(VELOCITY, 1.0 - dt * c), (DISTURBANCE, dt), (GUST, dt), (HEADING_ERROR, dt * across)]
     lags = {
-        WANDER: WANDER_TIME, VELOCITY_ERROR: VELOCITY_ERROR_TIME, DISTURBANCE: DISTURBANCE_TIME[axis], GUST: GUST_TIME
+        WANDER: WANDER_TIME, VELOCITY_ERROR: VELOCITY_ERROR_TIME, DISTURBANCE: DISTURBANCE_TIME[axis], GUST: GUST_TIME,
+        HEADING_ERROR: HEADING_ERROR_TIME,
     }  # fmt: skip
     for i, time in lags.items():
         if time < 1e6:

@@ -13,6 +13,7 @@ import math
 from typing import NamedTuple
 
 from companion.estimation.estimator import (
+    ZERO,
     EstimatorState,
     Measurement,
     Prior,
@@ -51,7 +52,7 @@ class MotionEstimate(NamedTuple):
 def begin_motion(state: VehicleState, prior: Prior, gravity: float) -> MotionEstimate:
     """Hovering, as far as anybody knows."""
     estimator = initial_estimator_state(state.p_n, state.v_n, state.r_nb, gravity, prior)
-    return _motion(state, estimator, gravity)
+    return _motion(state, estimator, gravity, ZERO)
 
 
 def known_prior(estimate: MotionEstimate) -> Prior:
@@ -88,13 +89,13 @@ def learn_motion(estimate: MotionEstimate) -> MotionEstimate:
     """``estimate`` with the filter updated."""
     if estimate.pending is None:
         return estimate
-    return _motion(
-        estimate.state, update_estimate(estimate.estimator, estimate.pending, estimate.gravity), estimate.gravity
-    )
+    estimator = update_estimate(estimate.estimator, estimate.pending, estimate.gravity)
+    return _motion(estimate.state, estimator, estimate.gravity, estimate.pending.specific_thrust_n)
 
 
-def _motion(state: VehicleState, estimator: EstimatorState, gravity: float) -> MotionEstimate:
-    """What an estimator that was updated with ``state`` says of the motion."""
+def _motion(state: VehicleState, estimator: EstimatorState, gravity: float, specific_thrust_n: Vec3) -> MotionEstimate:
+    """What an estimator that was updated with ``state`` says of the motion under a thrust (m/s^2)."""
     belief = estimator.belief
-    forces = ForceModel(belief.thrust_scale, belief.drag, belief.apparent_disturbance_n, gravity)
+    disturbance_n = belief.apparent_disturbance_n(specific_thrust_n)
+    forces = ForceModel(belief.thrust_scale, belief.drag, disturbance_n, gravity)
     return MotionEstimate(state, estimator, forces, belief.p_n, belief.v_n)

@@ -144,19 +144,23 @@ def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: Noise
     kappa, c = x[THRUST_SCALE], x[DRAG]
     T, new, Q, H = np.eye(SIZE), x.copy(), np.zeros(SIZE), np.zeros((6, SIZE))
     for i in range(3):
-        p, v, u, b, d, w = range(6 * i, 6 * i + 6)
-        a = (G if i == 2 else 0.0) - kappa * F[i] - c * x[v] + x[d] + x[w]
+        p, v, u, b, d, w, e = range(PER_AXIS * i, PER_AXIS * (i + 1))
+        across = (-F[1], F[0], 0.0)[i]
+        f = F[i] - x[e] * across
+        a = (G if i == 2 else 0.0) - kappa * f - c * x[v] + x[d] + x[w]
         new[p] = x[p] + dt * (x[v] + x[u]) + 0.5 * dt * dt * a
         new[v] = x[v] + dt * a
         T[p, [v, u]] = dt
-        T[v, [v, d, w, THRUST_SCALE, DRAG]] = 1.0 - c * dt, dt, dt, -F[i] * dt, -x[v] * dt
+        T[v, [v, d, w, THRUST_SCALE, DRAG]] = 1.0 - c * dt, dt, dt, -f * dt, -x[v] * dt
+        T[v, e] = kappa * across * dt
         times = (
             kalman_step.WANDER_TIME,
             kalman_step.VELOCITY_ERROR_TIME,
             kalman_step.DISTURBANCE_TIME[i],
             kalman_step.GUST_TIME,
+            kalman_step.HEADING_ERROR_TIME,
         )
-        for k, time in zip((u, b, d, w), times, strict=True):
+        for k, time in zip((u, b, d, w, e), times, strict=True):
             T[k, k] = 1.0 / (1.0 + dt / time) if time < 1e6 else 1.0
             new[k] = x[k] * T[k, k]
         Q[p] = kalman_step.POSITION_Q + kalman_step.POSITION_Q_GAIN * (noise.position - kalman_step.POSITION_R_MIN)
@@ -164,6 +168,7 @@ def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: Noise
         levels = (noise.wander[i], noise.velocity_error[i], noise.gust[i])
         for k, time, level in zip((u, b, w), (times[0], times[1], times[3]), levels, strict=True):
             Q[k] = 2.0 * level / time
+        Q[e] = 2.0 * kalman_step.HEADING_ERROR_VARIANCE / kalman_step.HEADING_ERROR_TIME
         H[i, p] = H[3 + i, v] = H[3 + i, b] = 1.0
     Q[THRUST_SCALE:] = kalman_step.THRUST_SCALE_Q * learn, kalman_step.DRAG_Q * learn
     P = T @ P @ T.T + np.diag(Q) * dt
@@ -333,7 +338,7 @@ def test_what_is_expected_is_what_the_filter_expects() -> None:
     known = fly(level_start(), 3.0, 1.1, 0.6)
     seen = Measurement(0.01, (1.0, -2.0, 9.5), STILL, STILL)
     belief = known.belief
-    forces = ForceModel(belief.thrust_scale, belief.drag, belief.apparent_disturbance_n, G)
+    forces = ForceModel(belief.thrust_scale, belief.drag, belief.apparent_disturbance_n(seen.specific_thrust_n), G)
     p_n, v_n = predict_measurement(belief, seen, forces)
     bias = known.belief.bias_n
     there = seen._replace(p_n=p_n, v_n=(v_n[0] + bias[0], v_n[1] + bias[1], v_n[2] + bias[2]))
