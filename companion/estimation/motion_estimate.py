@@ -4,7 +4,8 @@
     learn_motion     the Kalman filter with that same state
 
 ``learn_motion`` does not feed the setpoint of its own state and may be called after it was sent; the prediction stands
-in for it, which differs by the filter's innovation only. Where that is not small it is to be called at once.
+in for it, which differs by the filter's innovation only. Where that is not small it is to be called at once. States
+that come before it was called are one measurement.
 """
 
 from __future__ import annotations
@@ -80,9 +81,27 @@ def advance_motion(
         state.t_boot - before.t_boot, thrust_n, state.p_n, state.v_n, limited, state.resets != before.resets, moving
     )
     estimator, forces = estimate.estimator, estimate.forces
+    if estimate.pending is not None:
+        measurement = _together(estimate.pending, measurement)
     p_n, v_n = predict_measurement(estimator.belief, measurement, forces)
     estimate = MotionEstimate(state, estimator, forces, p_n, v_n, measurement)
     return estimate, not innovation_is_small(estimator, measurement, p_n, v_n)
+
+
+def _together(first: Measurement, last: Measurement) -> Measurement:
+    """Two measurements, one after the other, as one over the time of both: the mean thrust, the last state."""
+    dt = first.dt + last.dt
+    share = first.dt / dt
+    (fx, fy, fz), (x, y, z) = first.specific_thrust_n, last.specific_thrust_n
+    return Measurement(
+        dt,
+        (x + share * (fx - x), y + share * (fy - y), z + share * (fz - z)),
+        last.p_n,
+        last.v_n,
+        first.limited or last.limited,
+        first.jumped or last.jumped,
+        last.moving,
+    )
 
 
 def learn_motion(estimate: MotionEstimate) -> MotionEstimate:

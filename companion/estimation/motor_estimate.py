@@ -1,7 +1,7 @@
 """The estimate block of a vehicle that takes motor commands: its motion, and how its body turns under them.
 
 advance_motor_estimate   model of motors and body, gyro observer, prediction of position and velocity
-learn_motion             see ``motion_estimate``
+learn_motor_estimate     the Kalman filter, every UPDATE_PERIOD: see ``motion_estimate``
 """
 
 from __future__ import annotations
@@ -28,6 +28,10 @@ from companion.estimation.predictor import ForceModel, PredictedState
 from companion.vehicle import VehicleState
 
 Commands = tuple[TimedWrench, ...]
+
+UPDATE_PERIOD = 0.006
+"""s that the filter is updated over at least: every state of 125 Hz, as at rates, every other one of 250 Hz. Nothing it
+looks for is quicker than 0.5 s. Engineering choice."""
 
 
 class MotorEstimate(NamedTuple):
@@ -63,6 +67,14 @@ def advance_motor_estimate(
     if motion.estimator.restrained:  # what holds it turns it too: that is no rotor which gives less
         body_state = BodyState(state.w_b, body_state.acting)
     return MotorEstimate(learn_motion(motion) if at_once else motion, body_state)
+
+
+def learn_motor_estimate(estimate: MotorEstimate) -> MotorEstimate:
+    """``estimate`` with the filter updated, where that is due."""
+    pending = estimate.motion.pending
+    if pending is None or pending.dt < UPDATE_PERIOD:
+        return estimate
+    return MotorEstimate(learn_motion(estimate.motion), estimate.body_state)
 
 
 def trust_state(estimate: MotorEstimate, body: Body, commands: Commands, state: VehicleState) -> MotorEstimate:

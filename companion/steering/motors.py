@@ -25,11 +25,11 @@ from companion.estimation.body_model import Body, TimedWrench
 from companion.estimation.estimator import Prior
 from companion.estimation.learned import Learned
 from companion.estimation.link_delay import update_delay
-from companion.estimation.motion_estimate import learn_motion
 from companion.estimation.motor_estimate import (
     MotorEstimate,
     advance_motor_estimate,
     begin_motor_estimate,
+    learn_motor_estimate,
     predict_motors,
     restart_motor_estimate,
     trust_state,
@@ -142,10 +142,8 @@ class MotorSteering:
 
     def learn(self, memory: MotorMemory) -> MotorMemory:
         """See Steering."""
-        estimate = memory.estimate
-        if estimate.motion.pending is None:
-            return memory
-        return memory._replace(estimate=MotorEstimate(learn_motion(estimate.motion), estimate.body_state))
+        estimate = learn_motor_estimate(memory.estimate)
+        return memory if estimate is memory.estimate else memory._replace(estimate=estimate)
 
     def level(self, state: VehicleState | None, memory: MotorMemory | None = None) -> MotorSetpoint:
         """Hover thrust, and from a fresh state the torques that turn the thrust axis up and stop the turning."""

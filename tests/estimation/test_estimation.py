@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from companion.estimation import kalman_step
+from companion.estimation.body_model import Body, TimedWrench
 from companion.estimation.estimator import (
     EstimatorState,
     Measurement,
@@ -20,6 +21,7 @@ from companion.estimation.estimator import (
 )
 from companion.estimation.kalman import Belief, initial_belief, predict_and_update, reset_position_velocity
 from companion.estimation.kalman_step import AXES, DRAG, PER_AXIS, SIZE, THRUST_SCALE
+from companion.estimation.motor_estimate import advance_motor_estimate, begin_motor_estimate, learn_motor_estimate
 from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.predictor import ForceModel, predict
 from companion.estimation.rate_loop_identification import initial_rate_loop_estimate, update_rate_loop_estimate
@@ -34,6 +36,7 @@ from companion.estimation.rate_loop_model import (
     propagate,
 )
 from companion.frames import Vec3, from_rotation_vector, multiply, quaternion_from_euler, rotation_matrix
+from companion.vehicle import VehicleState
 
 G = 9.80665
 STILL: Vec3 = (0.0, 0.0, 0.0)
@@ -469,3 +472,22 @@ def test_roll_and_pitch_are_told_apart_and_an_axis_that_rests_goes_along() -> No
             commands = (*commands[-8:], TimedCommand(t + 0.015, wanted, G))
         assert known.lags == pytest.approx((0.095, 0.068) if both else (0.095, 0.095), rel=0.1)
         assert known.lag == pytest.approx(sum(known.lags) / 2.0)
+
+
+def test_at_motors_two_states_of_250_hz_are_one_measurement_for_the_filter() -> None:
+    body, q = Body(1.5, (0.02, 0.02, 0.04), 0.05), (1.0, 0.0, 0.0, 0.0)
+    first = begin_motor_estimate(VehicleState(0.0, STILL, (1.0, 0.0, 0.0), q, STILL), Prior(), body, G)
+    commands = (TimedWrench(-math.inf, (1.5 * G, 0.0, 0.0, 0.0)),)
+    estimate = first
+    for k in (1, 2):
+        state = VehicleState(0.004 * k, (0.004 * k, 0.0, 0.0), (1.0, 0.0, 0.0), q, STILL)
+        estimate = learn_motor_estimate(advance_motor_estimate(estimate, body, commands, state, k == 1, False))
+        if k == 1:
+            assert estimate.motion.pending is not None
+            assert estimate.motion.estimator is first.motion.estimator
+            assert estimate.motion.p_n == pytest.approx((0.004, 0.0, 0.0), abs=1e-9)
+    both = Measurement(0.008, (0.0, 0.0, G), (0.008, 0.0, 0.0), (1.0, 0.0, 0.0), limited=True)
+    assert estimate.motion.pending is None
+    assert estimate.motion.estimator.belief.x == pytest.approx(
+        update_estimate(first.motion.estimator, both, G).belief.x, abs=1e-12
+    )
