@@ -210,6 +210,11 @@ class MavResult(enum.IntEnum):
     COMMAND_INT_ONLY = 8
     COMMAND_UNSUPPORTED_MAV_FRAME = 9
 
+    @property
+    def words(self) -> str:
+        """As a sentence says it."""
+        return self.name.lower().replace("_", " ")
+
 
 class MavSeverity(enum.IntEnum):
     """MAV_SEVERITY of a text, as in syslog: the smaller the worse."""

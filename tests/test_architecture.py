@@ -35,7 +35,7 @@ MAY_IMPORT: dict[str, str] = {
     "steering": "frames vehicle paths law allocation px4_allocation thrust_range estimation",
     "feasibility": "frames fence calculus vehicle paths profiles law allocation thrust_range mission",
     "identification": "plain_text frames vehicle px4_allocation",
-    "flight": "vehicle fence",
+    "flight": "mavlink_common vehicle fence",
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "settings": "law plan",
     "pilot": "frames vehicle law paths mission steering flight plan",

@@ -8,7 +8,6 @@ import pytest
 from pymavlink.dialects.v20 import development as tables
 
 from companion import mavlink_common
-from companion.flight.situation import Reply
 from companion.mavlink_common import MavMissionResult, MavResult, MavSeverity
 
 NOT_IN_THE_TABLES = {"MAV_CMD_EXTERNAL_ATTITUDE_ESTIMATE", "MAV_PROTOCOL_CAPABILITY_SET_ACTUATOR_TARGET"}
@@ -32,9 +31,3 @@ def test_a_number_is_the_tables(name: str) -> None:
 def test_an_enum_is_the_tables(kind: type[enum.IntEnum], prefix: str, newer: set[str]) -> None:
     for member in kind:
         assert member.name in newer or getattr(tables, prefix + member.name) == member
-
-
-def test_the_flights_replies_are_mavlinks_results() -> None:
-    """The state machine knows no MAVLink; its answers have the same numbers."""
-    for reply in Reply:
-        assert MavResult[reply.name] == reply.value

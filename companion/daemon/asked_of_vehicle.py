@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from companion.daemon.ground import WANTED as GROUND_WANTED
 from companion.flight.phases import Request
-from companion.flight.situation import Answer, Reply
+from companion.flight.situation import Answer
 from companion.mavlink import link, requests, telemetry
 from companion.mavlink.parameters import WANTED as PARAMETERS_WANTED
+from companion.mavlink_common import MavResult
 from companion.vehicle import Mode
 
 WANTED = link.WANTED | telemetry.WANTED | PARAMETERS_WANTED | GROUND_WANTED
@@ -39,6 +40,6 @@ def streams(state_rate: float) -> tuple[requests.Command, ...]:
 def answer_to(command: requests.Command, result: int) -> Answer | None:
     """The answer to a request of the flight that a MAV_RESULT is; None where the command is not one."""
     for request, known in COMMANDS.items():
-        if known == command and result in range(len(Reply)):
-            return Answer(request, Reply(result))
+        if known == command and result in set(MavResult):
+            return Answer(request, MavResult(result))
     return None

@@ -44,9 +44,7 @@ class Payload:
                 if result == MavResult.ACCEPTED:
                     self.accepted += 1
                 elif result != MavResult.IN_PROGRESS:
-                    known = result in set(MavResult)
-                    words = MavResult(result).name.lower().replace("_", " ") if known else f"result {result}"
-                    self._fail(action, words)
+                    self._fail(action, MavResult(result).words if result in set(MavResult) else f"result {result}")
                 return True
         return False
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from companion.flight.conduct import ControlAuthority
 from companion.flight.phases import FLOWN, PHASES, TRIES, Phase
 from companion.flight.safety import Action
-from companion.flight.situation import Reply, Situation
+from companion.flight.situation import Situation
+from companion.mavlink_common import MavResult
 from companion.vehicle import Landed, Mode
 
 STATE_AGE_MAX = 0.2
@@ -134,7 +135,7 @@ def hand_back_required(s: Situation) -> str | None:
 
 
 def refused(s: Situation) -> str | None:
-    if s.answer is None or s.answer.accepted or s.answer.reply is Reply.TEMPORARILY_REJECTED:
+    if s.answer is None or s.answer.accepted or s.answer.reply is MavResult.TEMPORARILY_REJECTED:
         return None
     return f"the vehicle refused {s.answer.request.value}: {s.answer.reply.words}"
 

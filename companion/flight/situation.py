@@ -2,43 +2,26 @@
 
 from __future__ import annotations
 
-import enum
 import math
 from typing import NamedTuple
 
 from companion.flight.conduct import ControlAuthority, Finish
 from companion.flight.phases import Phase, Request
 from companion.flight.safety import NO_FAULT, Verdict
+from companion.mavlink_common import MavResult
 from companion.vehicle import KnownStatus, Mode
-
-
-class Reply(enum.Enum):
-    """How a vehicle answers a request (MAV_RESULT)."""
-
-    ACCEPTED = 0
-    TEMPORARILY_REJECTED = 1
-    DENIED = 2
-    UNSUPPORTED = 3
-    FAILED = 4
-    IN_PROGRESS = 5
-    CANCELLED = 6
-
-    @property
-    def words(self) -> str:
-        """As a sentence says it."""
-        return self.name.lower().replace("_", " ")
 
 
 class Answer(NamedTuple):
     """The vehicle's answer to a request."""
 
     request: Request
-    reply: Reply
+    reply: MavResult
 
     @property
     def accepted(self) -> bool:
         """Whether the vehicle does it, or is about to."""
-        return self.reply in (Reply.ACCEPTED, Reply.IN_PROGRESS)
+        return self.reply in (MavResult.ACCEPTED, MavResult.IN_PROGRESS)
 
 
 class Situation(NamedTuple):

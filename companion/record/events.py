@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.flight.phases import Request
-from companion.flight.situation import Reply
+from companion.mavlink_common import MavResult
 from companion.record.table import Table
 from companion.vehicle import Mode
 
@@ -148,7 +148,7 @@ def _world_events(
 def offboard_at(table: Table) -> float | None:
     """The vehicle's stamp (s) of the first state after OFFBOARD was accepted; None where it never was."""
     accepted = (table["answer_to"] == list(Request).index(Request.OFFBOARD)) & (
-        table["answer"] == list(Reply).index(Reply.ACCEPTED)
+        table["answer"] == list(MavResult).index(MavResult.ACCEPTED)
     )
     there = accepted | (table["mode"] == list(Mode).index(Mode.OFFBOARD))
     if not there.any():

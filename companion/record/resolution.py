@@ -6,7 +6,7 @@ from typing import Any
 
 from companion.flight.conduct import to_dict
 from companion.flight.phases import Phase, Request
-from companion.flight.situation import Reply
+from companion.mavlink_common import MavResult
 from companion.plan import Plan
 from companion.record import rows
 from companion.vehicle import Landed, Mode
@@ -41,7 +41,7 @@ def resolution(
         "legend": {
             "phase": [phase.value for phase in Phase],
             "request": [request.value for request in Request],
-            "answer": [reply.words for reply in Reply],
+            "answer": [reply.words for reply in MavResult],
             "mode": [mode.words for mode in Mode],
             "landed": [landed.name.lower() for landed in Landed],
         },

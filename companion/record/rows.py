@@ -7,7 +7,8 @@ import math
 from typing import Any, TypeVar
 
 from companion.flight.phases import Phase, Request
-from companion.flight.situation import Answer, Reply
+from companion.flight.situation import Answer
+from companion.mavlink_common import MavResult
 from companion.pilot import Memory, Observation, Outcome, yaw_error
 from companion.record.table import Column, Row, dtype_of
 from companion.steering.steering import Estimates
@@ -47,7 +48,7 @@ OBSERVATION_COLUMNS = (
     Column("battery", "d", "what remains, 0..1, nan not said"),
     Column("estimator", "i", "flags of ESTIMATOR_STATUS, -1 not said"),
     Column("answer_to", "b", "index of phases.Request that was answered, -1 none"),
-    Column("answer", "b", "index of guards.Reply, -1 none"),
+    Column("answer", "b", "MAV_RESULT, -1 none"),
     Column("stop", "b", "1: told to stop"),
     Column("link_delay", "d", "s, round trip of a message, nan not measured"),
     Column("rate", "d", "Hz of states, nan not measured"),
@@ -117,7 +118,7 @@ def _index(member: enum.Enum | None) -> int:
     return NONE if member is None else _INDICES[type(member)][member]
 
 
-_ENUMS: tuple[type[enum.Enum], ...] = (Mode, Landed, Request, Reply, Phase)
+_ENUMS: tuple[type[enum.Enum], ...] = (Mode, Landed, Request, MavResult, Phase)
 _INDICES: dict[type[enum.Enum], dict[enum.Enum, int]] = {
     kind: {member: index for index, member in enumerate(kind)} for kind in _ENUMS
 }
@@ -274,7 +275,7 @@ def observation_of(row: Any) -> tuple[Observation, float]:
         for name, value in zip(FACTS, values, strict=True)
     ]
     status = VehicleStatus(**dict(zip(FACTS, facts, strict=True)), was_armed=bool(row["was_armed"]))  # type: ignore[arg-type]
-    request, reply = _member(Request, row["answer_to"]), _member(Reply, row["answer"])
+    request, reply = _member(Request, row["answer_to"]), _member(MavResult, row["answer"])
     answer = None if request is None or reply is None else Answer(request, reply)
     return Observation(
         state,

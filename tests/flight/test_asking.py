@@ -9,7 +9,8 @@ import pytest
 
 from companion.flight.asking import BACK_AFTER, FRESH, TRIES, Asking, begin_asking, update_asking
 from companion.flight.phases import PHASES, Phase, Request
-from companion.flight.situation import Answer, Reply
+from companion.flight.situation import Answer
+from companion.mavlink_common import MavResult
 from companion.vehicle import KnownStatus, Landed, Mode
 
 ASKED_IN = [(phase, row.request) for phase, row in PHASES.items() if row.request is not None]
@@ -54,7 +55,7 @@ def test_random_walks_ask_three_times_and_not_after_an_answer(phase: Phase, requ
                     assert status.armed is False
                 sent_at.append(now)
             if rng.random() < 0.03 and (answer is None or not answer.accepted):
-                answer = Answer(request_, rng.choice(list(Reply)))
+                answer = Answer(request_, rng.choice(list(MavResult)))
         most = 2 * TRIES if request_ is Request.HOLD and away_seen else TRIES
         assert len(sent_at) <= most
         assert all(b - a > 0.34 for a, b in itertools.pairwise(sent_at))

@@ -24,7 +24,8 @@ from companion.flight.phases import (
     pre_emption_table,
 )
 from companion.flight.safety import Action, Verdict, table
-from companion.flight.situation import Answer, Reply, Situation
+from companion.flight.situation import Answer, Situation
+from companion.mavlink_common import MavResult
 from companion.vehicle import KnownStatus, Landed, Mode
 
 FLYING = KnownStatus(
@@ -165,8 +166,8 @@ def test_stop_hands_back_and_does_not_land() -> None:
 
 
 def test_refusals() -> None:
-    later = Answer(Request.OFFBOARD, Reply.TEMPORARILY_REJECTED)
-    no = Answer(Request.OFFBOARD, Reply.DENIED)
+    later = Answer(Request.OFFBOARD, MavResult.TEMPORARILY_REJECTED)
+    no = Answer(Request.OFFBOARD, MavResult.DENIED)
     waiting = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
     assert (
         decide(situation(Phase.TAKE_OVER, answer=later, status=waiting, decided_in=Mode.HOLD, mode_seen=False)) is None
@@ -206,7 +207,9 @@ def test_random_walks_never_raise_and_always_end() -> None:
                     ),
                     mode_seen=rng.random() < 0.5,
                     state_at=rng.choice((None, now, now - 1.0)),
-                    answer=None if request is None else rng.choice((None, Answer(request, rng.choice(list(Reply))))),
+                    answer=None
+                    if request is None
+                    else rng.choice((None, Answer(request, rng.choice(list(MavResult))))),
                     from_ground=rng.random() < 0.5,
                     authority=rng.choice(list(ControlAuthority)),
                     finish=rng.choice(list(Finish)),
