@@ -66,7 +66,7 @@ def endpoint_of(url: str) -> Endpoint:
         raise EndpointError(f"{url!r} names no host and port; {expected}")
     try:
         host = socket.gethostbyname(host)
-    except OSError:
+    except (OSError, ValueError, TypeError):  # what no name can be: a label too long or empty, a null byte
         raise EndpointError(f"{url!r}: the host is not known; {expected}") from None
     if parts.scheme == "udpin":
         return Endpoint((host, port), None)

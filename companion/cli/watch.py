@@ -39,6 +39,8 @@ def watch(listen: str, token_file: Path | None) -> None:
         serve(host, port, token, ready)
     except OSError as error:
         raise ConfigError([Fault("--listen", 0, "", f"{listen} cannot be opened: {error.strerror}")]) from None
+    except UnicodeError:  # a label of the name is empty or too long
+        raise ConfigError([Fault("--listen", 0, "", f"{listen} cannot be opened: no host has this name")]) from None
 
 
 def _address(listen: str) -> tuple[str, int]:

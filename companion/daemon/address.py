@@ -120,8 +120,13 @@ def parsed(url: str) -> Callable[[], Port]:
         raise AddressError(f"{url!r} is no address{meant}; {EXPECTED}")
     if not host or not port:
         raise AddressError(f"{url!r} names no host and port; {EXPECTED}")
-    try:
-        found = socket.gethostbyname(host)
-    except OSError:
-        raise AddressError(f"{url!r}: the host {host} is not known") from None
+    found = address_of(host, url)
     return lambda: UdpPort(found, port, listen=parts.scheme == "udpin")
+
+
+def address_of(host: str, url: str) -> str:
+    """The IPv4 address of a host that ``url`` names. AddressError: nobody knows it, or it is no name."""
+    try:
+        return socket.gethostbyname(host)
+    except (OSError, ValueError, TypeError):  # what no name can be: a label too long or empty, a null byte
+        raise AddressError(f"{url!r}: the host {host!a} is not known") from None

@@ -14,12 +14,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from urllib.parse import parse_qs, urlsplit
 
+from companion.daemon.address import address_of
 from companion.daemon.port import AddressError
 from companion.daemon.scribe import Helper
 from companion.mavlink.codec import MAGIC_V2, Decoder
-from companion.mavlink.dialect import (
-    message,
-)
+from companion.mavlink.dialect import message
 
 EXPECTED = "expected udpout://HOST:PORT[?max_hz=HZ][&commands=yes|no]"
 PERIOD = 0.01
@@ -70,12 +69,10 @@ def parsed_endpoint(url: str) -> Endpoint:
     except ValueError:
         raise AddressError(f"{url!r} is no endpoint; {EXPECTED}") from None
     unknown = set(asked) - {"max_hz", "commands"}
-    if parts.scheme != "udpout" or not host or not port or parts.path.strip("/") or unknown:
+    more = parts.path.strip("/") or parts.fragment or unknown
+    if parts.scheme != "udpout" or not host or not port or more:
         raise AddressError(f"{url!r} is no endpoint; {EXPECTED}")
-    try:
-        address = socket.gethostbyname(host)
-    except OSError:
-        raise AddressError(f"{url!r}: the host {host} is not known") from None
+    address = address_of(host, url)
     commands = asked.get("commands", ["yes" if address.startswith("127.") else "no"])[-1]
     if commands not in ("yes", "no"):
         raise AddressError(f"{url!r}: commands={commands}; expected yes or no")

@@ -11,10 +11,12 @@ import contextlib
 import hmac
 import ipaddress
 import json
+import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 from importlib.resources import files
 
 from aiohttp import web
+from aiohttp.http import HttpProcessingError
 from aiohttp.typedefs import Middleware
 
 from companion.watch.flights import Flights
@@ -81,11 +83,18 @@ class Board:
             self.viewers -= 1
 
 
+def _is_ours(record: logging.LogRecord) -> bool:
+    """Whether a log record is about us. What is no HTTP at all is answered with 400; anybody who can reach the port
+    could otherwise fill the terminal with tracebacks."""
+    return not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError))
+
+
 BOARD = web.AppKey("board", Board)
 
 
 def application(flights: Flights, token: str | None) -> web.Application:
     """The server. ``token``: what every request must carry; None: only this computer reaches it."""
+    logging.getLogger("aiohttp.server").addFilter(_is_ours)
     app = web.Application(middlewares=[_guard(token)], client_max_size=0)
     app[BOARD] = Board(flights)
     app.cleanup_ctx.append(_reading)

@@ -187,7 +187,7 @@ def test_endpoints_beyond_this_computer_only_look_unless_told(url: str, endpoint
     "url",
     ["", "14550", "udpin://127.0.0.1:1", "udpout://127.0.0.1", "udpout://h:99999", "udpout://127.0.0.1:1?max_hz=x",
      "udpout://127.0.0.1:1?max_hz=0", "udpout://127.0.0.1:1?max_hz=nan", "udpout://127.0.0.1:1?commands=maybe",
-     "udpout://127.0.0.1:1?rate=5", "udpout://127.0.0.1:1/path", "udpout://127.0.0.1:1?x", "udpout://[::1:5"],
+     "udpout://127.0.0.1:1?rate=5", "udpout://127.0.0.1:1/path", "udpout://127.0.0.1:1?x", "udpout://[::1:5", "udpout://127.0.0.1:1#x"],
 )  # fmt: skip
 def test_what_is_no_endpoint_is_answered_in_one_line(url: str) -> None:
     with pytest.raises(AddressError) as error:
@@ -198,6 +198,12 @@ def test_what_is_no_endpoint_is_answered_in_one_line(url: str) -> None:
 def test_the_fault_is_the_option_s_own() -> None:
     result = CliRunner().invoke(app, ["fly", "circle_r5", "--connect", "udpin://127.0.0.1:1", "--forward", "14550"])
     assert str(result.exception).startswith("--forward: '14550' is no endpoint")
+
+
+@pytest.mark.parametrize("host", ["a..b", "x" * 70, "a\0b"])
+def test_a_host_that_none_can_be_called_is_not_known(host: str) -> None:
+    with pytest.raises(AddressError, match="is not known"):
+        parsed_endpoint(f"udpout://{host}:1")
 
 
 @pytest.mark.xdist_group("real time")

@@ -172,6 +172,8 @@ def test_endpoints_of_urls() -> None:
     assert endpoint_of("udpin://0.0.0.0:14540") == Endpoint(("0.0.0.0", 14540), None)
     assert endpoint_of("udpout://127.0.0.1:14540") == Endpoint(("127.0.0.1", 0), ("127.0.0.1", 14540))
     assert endpoint_of("udpout://192.0.2.7:14540").bind[0] == "0.0.0.0"
+    with pytest.raises(EndpointError, match="the host is not known"):
+        endpoint_of("udpout://a..b:14540")
     with pytest.raises(EndpointError, match="expected udpin"):
         endpoint_of("serial:///dev/ttyAMA0:921600")
 

@@ -212,6 +212,23 @@ def test_rubbish_beside_a_status_is_no_flight(own: Path, flown: Flown) -> None:
         assert received["live"] is None or received["live"]["p_n"] == ["<b>", 1, 2]
 
 
+@pytest.mark.parametrize(
+    "sent", [b"\x16\x03\x01\xff\x00\n\n", b"GET / HTTP/1.1\r\n\r\n", b"GET /" + b"a" * 20_000 + b" HTTP/1.1\r\nHost: x\r\n\r\n",
+             b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 500 + b"\r\n", b"GET / HTTP/7.7\r\nHost: localhost\r\n\r\n"],
+)  # fmt: skip
+def test_what_is_no_http_is_refused_without_a_traceback(sent: bytes, caplog: pytest.LogCaptureFixture) -> None:
+    async def visit(client: TestClient[Any, Any]) -> None:
+        reader, writer = await asyncio.open_connection(client.host, client.port)
+        writer.write(sent)
+        assert b" 400 " in await reader.readline()
+        writer.close()
+        async with client.get("/") as answer:  # and the next one is served
+            assert answer.status == 200
+
+    served(None, visit)
+    assert not caplog.records
+
+
 def test_where_it_listens() -> None:
     assert all(map(is_loopback, ("localhost", "127.0.0.1", "127.1.2.3", "[::1]")))
     assert not any(map(is_loopback, ("0.0.0.0", "[::]", "192.168.1.4", "drone.local")))
@@ -222,6 +239,7 @@ def test_where_it_listens() -> None:
     [
         (["--listen", "8765"], "expected HOST:PORT"),
         (["--listen", "127.0.0.1:99999"], "expected HOST:PORT"),
+        (["--listen", "a..b:8765"], "no host has this name"),
         (["--token-file", "none"], "cannot be read"),
         (["--token-file", "short"], "holds no token"),
     ],
