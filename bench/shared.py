@@ -4,8 +4,8 @@
     watched    the same while `companion watch` serves 4 viewers
     forwarded  the same with --forward to three endpoints: one reads, one never reads, one floods (2000 datagrams/s)
 
-Rounds take turns, so that what else the machine does falls on all alike. Target: p99 at most 5 % more than alone. To be
-run with nothing else on the machine.
+Rounds take turns, so that what else the machine does falls on all alike. Targets: p99 at most 5 % more than alone,
+`companion watch` below 10 % of a core. To be run with nothing else on the machine.
 """
 
 from __future__ import annotations
@@ -13,20 +13,25 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import signal
 import socket
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from bench.latency import BY_RATES, PERIOD, ROOT, WARM_UP, Client, Meter, free_port, running
+from bench.latency import BY_RATES, ROOT, Client, Meter, free_port, running
+from bench.watch_page import cpu_seconds
 from companion.daemon.realtime import PRIORITY, at_priority
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import message
 
 VIEWERS, FLOOD_RATE = 4, 2000.0
-TARGET = 1.05
+STARTING, HANDING_BACK = 12.0, 6.0
+"""s until the path is followed, and until the companion has ended."""
+TARGET, CORE_TARGET = 1.05, 0.10
 SEE = "http://127.0.0.1:{port}/words"
 
 
@@ -39,7 +44,13 @@ def stations(*ports: int) -> None:
     reads.setblocking(False)
     frame = Encoder(255, 190).message(message("COMMAND_LONG"), command=512, param1=148.0, target_system=1)
     _, peer = floods.recvfrom(65535)
-    due = time.monotonic()
+    due, heard = time.monotonic(), 0
+
+    def tell(*_: object) -> None:
+        print(f"forwarded to 127.0.0.1:{ports[0]}, as it counts: {heard} messages")
+        sys.exit()
+
+    signal.signal(signal.SIGTERM, tell)
     while True:
         due += 0.01
         for _ in range(round(0.01 * FLOOD_RATE)):
@@ -48,6 +59,7 @@ def stations(*ports: int) -> None:
         with contextlib.suppress(OSError):
             while True:
                 reads.recv(65535)
+                heard += 1
         time.sleep(max(0.0, due - time.monotonic()))
 
 
@@ -68,17 +80,18 @@ async def _views(port: int) -> None:
 
 
 @contextlib.contextmanager
-def _beside(kind: str, ports: list[int], output: Path) -> Iterator[None]:
-    """Whoever looks on, while a round is measured."""
+def _beside(kind: str, ports: list[int], output: Path) -> Iterator[int | None]:
+    """Whoever looks on, while a round is measured; the process number of `companion watch`, where that does."""
     helper = [sys.executable, "-m", "bench.shared", kind, *map(str, ports)]
+    watch = None
     with contextlib.ExitStack() as stack:
         if kind == "viewers":
-            watch = [sys.executable, "-m", "companion", "watch", "--listen", f"127.0.0.1:{ports[0]}"]
-            stack.enter_context(running(watch, output))
+            words = [sys.executable, "-m", "companion", "watch", "--listen", f"127.0.0.1:{ports[0]}"]
+            watch = stack.enter_context(running(words, output))
         if kind != "nobody":
             stack.enter_context(running(helper, output))
             time.sleep(1.0)
-        yield
+        yield watch
 
 
 @contextlib.contextmanager
@@ -112,11 +125,22 @@ def main() -> None:
         ends = [free_port() for _ in range(3)]
         cases = [("alone", "nobody", []), ("watched", "viewers", [free_port()]), ("forwarded", "stations", ends)]
         clients = [_client(case, folder, ports if kind == "stations" else []) for case, kind, ports in cases]
+        shares = []
         for _ in range(rounds):
             for client, (_, kind, ports) in zip(clients, cases, strict=True):
                 meter = Meter(client, port := free_port())
-                with _beside(kind, ports, output), running(client.command(port, folder), output), _punctual():
-                    meter.run(WARM_UP + round(seconds / PERIOD), seconds + 25.0)
+                with (
+                    _beside(kind, ports, output) as watch,
+                    running(client.command(port, folder), output) as flown,
+                    _punctual(),
+                ):
+                    spent, begun = 0.0 if watch is None else cpu_seconds(watch), time.monotonic()
+                    # the vehicle is there until it was handed back: only then is it said what was forwarded
+                    ending = threading.Timer(STARTING + seconds, os.kill, (flown, signal.SIGTERM))
+                    ending.start()
+                    meter.run(sys.maxsize, STARTING + seconds + HANDING_BACK)
+                    if watch is not None:
+                        shares.append((cpu_seconds(watch) - spent) / (time.monotonic() - begun))
         told = output.read_text()
     print("\n".join(line for line in told.splitlines() if "forwarded to" in line))
     alone = clients[0].percentiles
@@ -125,8 +149,9 @@ def main() -> None:
         p50, p99, most = client.percentiles
         ratios = f"{p50 / alone[0]:15.2f} {p99 / alone[1]:5.2f}"
         print(f"{client.name:10} {len(client.delays):8} {p50:8.0f} {p99:8.0f} {most:8.0f} {ratios}")
-    held = all(client.percentiles[1] <= TARGET * alone[1] for client in clients)
-    print(f"target {TARGET:g}: {'held' if held else 'MISSED'}")
+    print(f"watch: {100.0 * max(shares):.1f} % of a core with {VIEWERS} viewers")
+    held = max(shares) < CORE_TARGET and all(client.percentiles[1] <= TARGET * alone[1] for client in clients)
+    print(f"targets {TARGET:g} and {100.0 * CORE_TARGET:g} % of a core: {'held' if held else 'MISSED'}")
     sys.exit(0 if held else 1)
 
 
