@@ -52,6 +52,7 @@ def _histogram(panel: Axes, known: list[Row], name: str) -> None:
     panel.hist(errors, bins=min(BINS, max(5, len(known) // 4)), stacked=True, color=colours, label=labels)
     panel.set_xlabel("path error, cm rms, settled")
     name_y(panel, "Flights")
+    panel.yaxis.get_major_locator().set_params(integer=True)
     legend(panel)
 
 

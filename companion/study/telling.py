@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,9 +39,15 @@ def rate_of(passed: int, flights: int, confidence: float) -> Rate:
 
 
 def worst(rows: list[Row], count: int = WORST) -> list[Row]:
-    """Those that did not pass first, then by their error, largest first."""
+    """Those that did not pass first, then by their error, largest first; one that did not get so far as to have one is
+    worse than any."""
     name = error_name(rows) or ""
-    return sorted(rows, key=lambda row: (bool(row["passed"]), -(row.get(name) or 0.0), row["index"]))[:count]
+
+    def rank(row: Row) -> tuple[bool, float, int]:
+        error = row.get(name)
+        return bool(row["passed"]), -math.inf if error is None else -error, row["index"]
+
+    return sorted(rows, key=rank)[:count]
 
 
 class Errors(NamedTuple):

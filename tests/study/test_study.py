@@ -163,6 +163,8 @@ def test_the_verdict_the_worst_and_what_explains_them() -> None:
     assert said.holds and not judged(model, rows(), 21).holds
     assert not judged(model.model_copy(update={"pass_rate": 0.96}), rows(), 20).holds
     assert [row["index"] for row in worst(rows(), 3)] == [4, 19, 18]
+    lost = {"index": 7, "passed": False, "outcome": "aborted", "reason": "no state"}  # before it had an error
+    assert [row["index"] for row in worst([*rows()[:7], lost, *rows()[8:]], 3)] == [7, 4, 19]
     ((key, rank),) = said.ranks
     assert key == "mass" and rank == pytest.approx(1.0)
     assert in_words(said)[0].startswith("s holds: 19 of 20 flights passed (95.0 %)")
