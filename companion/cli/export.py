@@ -10,6 +10,7 @@ from pathlib import Path
 from companion.cli.check import check_sortie
 from companion.cli.output import Output
 from companion.cli.terminal import say
+from companion.cli.writing import writable, write
 from companion.config.plan.source import plan_of
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.geodesy import NO_HOME_GIVEN, LocalFrame
@@ -90,20 +91,3 @@ def _knows_home(mission: Mission) -> bool:
     origin, home = mission.origin, mission.home
     relative = isinstance(origin, GlobalOrigin) and origin.above_home
     return not relative or (home is not None and home.altitude is not None)
-
-
-def writable(option: str, file: Path, force: bool) -> None:
-    """ConfigError: the file is there already, or cannot be written where it is to be."""
-    if file.exists() and (file.is_dir() or not force):
-        message = f"{file}: is a folder" if file.is_dir() else f"{file}: exists already; --force writes over it"
-        raise ConfigError([Fault(option, 0, "", message)])
-    if not file.parent.is_dir():
-        raise ConfigError([Fault(option, 0, "", f"{file.parent}: no such folder")])
-
-
-def write(file: Path, text: str) -> None:
-    """ConfigError: it cannot be written."""
-    try:
-        file.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise ConfigError([Fault(str(file), 0, "", f"cannot be written: {error.strerror}")]) from None

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from companion.cli.export import writable, write
 from companion.cli.page import write_page
 from companion.cli.terminal import busy, say
 from companion.cli.vehicle_log import keep_log
+from companion.cli.writing import writable, write
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.library.orders import Faults
 

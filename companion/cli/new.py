@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 from pathlib import Path
 
-from companion.cli.export import writable, write
 from companion.cli.terminal import say
+from companion.cli.writing import writable, write
 from companion.config.examples import KINDS, example, example_plan
 from companion.config.json_schemas import MODELS, schema_text
 from companion.config.syntax.faults import ConfigError, Fault

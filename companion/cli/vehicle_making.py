@@ -6,9 +6,9 @@ import datetime
 from pathlib import Path
 
 from companion.cli.check import plottable
-from companion.cli.export import writable, write
 from companion.cli.finish import COMPLETED, NO_VEHICLE, refuse
 from companion.cli.terminal import busy, say, tell, warn
+from companion.cli.writing import writable, write
 from companion.config.json_schemas import editor_line
 from companion.config.syntax.document import parse
 from companion.config.syntax.faults import ConfigError, Fault
