@@ -3,7 +3,7 @@
 python -m bench.studies cost [FLIGHTS]     dispersed circle, 60 s: core-seconds a flight, one worker beside two, memory
 python -m bench.studies waiting            eight workers whose flights only wait: how busy the engine keeps them
 python -m bench.studies tape               what numpy gains on the recorded step of the filter, flights at once or one
-python -m bench.studies kills              a scheduler and workers as processes: kill -9 of each, then of the client
+python -m bench.studies kills [FLIGHTS]    a scheduler and workers as processes: kill -9 of each, then of the client
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ WAIT = 0.5
 """s that a flight of ``waiting`` takes."""
 SHORT = """\
 study: kills
+flights: {flights}
 mission: circle_r5
 world: outdoor
 output: rates
-duration: 4
-settle: 2
-flights: 40
+duration: 2
+settle: 1
 seed: 3
 vary:
-  world.truth.mass_kg: {uniform: [1.8, 2.2]}
+  world.truth.mass_kg: {{uniform: [1.8, 2.2]}}
 """
 
 
@@ -123,15 +123,16 @@ def process(*words: str) -> Iterator[subprocess.Popen[bytes]]:
         made.wait()
 
 
-def kills() -> None:
+def kills(flights: int) -> None:
     """A run whose worker, scheduler and client are killed, beside one that nobody disturbs."""
     with tempfile.TemporaryDirectory() as place:
         study = Path(place) / "kills.yaml"
-        study.write_text(SHORT, encoding="utf-8")
-        reference = [row_of(case) for case in cases_of(study_from(SHORT, "kills.yaml"))]
+        text = SHORT.format(flights=flights)
+        study.write_text(text, encoding="utf-8")
+        reference = [row_of(case) for case in cases_of(study_from(text, "kills.yaml"))]
         for who in ("worker", "scheduler", "client"):
             folder = Path(place) / who
-            codes = _disturbed(study, folder, who)
+            codes = _disturbed(study, folder, who, flights)
             rows = load_rows(folder)
             lines = (folder / "rows.jsonl").read_text(encoding="utf-8").splitlines()
             same = [_kept(row) for row in rows] == [_kept(row) for row in reference]
@@ -142,8 +143,9 @@ def kills() -> None:
             )
 
 
-def _disturbed(study: Path, folder: Path, who: str) -> list[int]:
-    """Fly with a real scheduler and two workers, kill one of them after eight flights, and go on until all is flown."""
+def _disturbed(study: Path, folder: Path, who: str, flights: int) -> list[int]:
+    """Fly with a real scheduler and two workers, kill one of them after a fifth of the flights, and go on until all is
+    flown."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -159,7 +161,7 @@ def _disturbed(study: Path, folder: Path, who: str) -> list[int]:
     with contextlib.ExitStack() as stack:
         first, one, _ = stack.enter_context(scheduler()), stack.enter_context(worker()), stack.enter_context(worker())
         with client() as running:
-            while not (folder / "rows.jsonl").is_file() or (folder / "rows.jsonl").read_text().count("\n") < 8:
+            while _landed(folder) < flights // 5:
                 time.sleep(0.1)
                 if running.poll() is not None:
                     raise SystemExit(f"the study ended with {running.returncode} before anything was killed")
@@ -168,12 +170,17 @@ def _disturbed(study: Path, folder: Path, who: str) -> list[int]:
         if who == "scheduler":
             stack.enter_context(scheduler())
             stack.enter_context(worker())
-        while codes[-1] not in (0, 1) or len(load_rows(folder)) < 40:
+        while codes[-1] not in (0, 1) or len(load_rows(folder)) < flights:
             with client("--resume") as running:
                 codes.append(running.wait(300.0))
             if len(codes) > 4:
                 break
     return codes
+
+
+def _landed(folder: Path) -> int:
+    log = folder / "rows.jsonl"
+    return log.read_text(encoding="utf-8").count("\n") if log.is_file() else 0
 
 
 def tape() -> None:
@@ -237,15 +244,15 @@ def main() -> None:
             cost(int(rest[0]) if rest else 40)
         case ["waiting"]:
             waiting()
-        case ["kills"]:
-            kills()
+        case ["kills", *rest]:
+            kills(int(rest[0]) if rest else 40)
         case ["tape"]:
             tape()
         case []:
             tape()
             cost(40)
             waiting()
-            kills()
+            kills(40)
         case _:
             sys.exit(__doc__)
 
