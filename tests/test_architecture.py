@@ -44,7 +44,7 @@ MAY_IMPORT: dict[str, str] = {
     # mavlink: world files name messages
     "config": "plain_text mavlink_common frames fence geodesy plans calculus vehicle world paths profiles law mission "
     "mavlink",
-    "record": "version frames geodesy vehicle world paths law mission estimation steering feasibility plan settings flight pilot mavlink "
+    "record": "version mavlink_common frames geodesy vehicle world paths law mission estimation steering feasibility plan settings flight pilot mavlink "
     "xrce config",
     "daemon": "plain_text mavlink_common frames geodesy vehicle paths estimation flight mission places plan settings pilot mavlink "
     "xrce "
