@@ -7,6 +7,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from companion.record.report.palette import BLUE, VERMILION
 from companion.record.report.style import WIDTH, drawing, legend, name_y
@@ -52,7 +53,7 @@ def _histogram(panel: Axes, known: list[Row], name: str) -> None:
     panel.hist(errors, bins=min(BINS, max(5, len(known) // 4)), stacked=True, color=colours, label=labels)
     panel.set_xlabel("path error, cm rms, settled")
     name_y(panel, "Flights")
-    panel.yaxis.get_major_locator().set_params(integer=True)
+    panel.yaxis.set_major_locator(MaxNLocator(integer=True))
     legend(panel)
 
 
