@@ -87,11 +87,15 @@ def examined(data: bytes, table: Table) -> XrceEvidence:
     setpoints = _setpoints(table)
     agent = Agent()
     clock: deque[tuple[float, float]] = deque()  # when (s), by how much ours was ahead of PX4's: both rising
+    offset = 0
     sent: list[tuple[float, int, bool]] = []  # s from stamp to command, the stamp (us), whether it is the tick's
     for at, to_px4, datagram in records(data):
         if not to_px4:
-            for stamp in _stamps(agent.receive(datagram, at)):
-                ahead = at - stamp * 1e-6
+            samples = agent.receive(datagram, at)
+            told = _offset(samples)
+            offset = offset if told is None else told
+            for stamp in _stamps(samples):
+                ahead = at - (stamp + offset) * 1e-6
                 while clock and clock[-1][1] >= ahead:
                     clock.pop()  # the newer one is less and lasts longer
                 clock.append((at, ahead))
@@ -104,8 +108,8 @@ def examined(data: bytes, table: Table) -> XrceEvidence:
             field, count = SENT[name]
             values = LAYOUTS[name, 0].decode(sample)
             if values is not None:
-                stamp, told = values["timestamp_sample"], np.float32(values[field][:count])
-                sent.append((at - stamp * 1e-6 - least, stamp, told.tobytes() in setpoints.get(stamp, ())))
+                stamp, command = values["timestamp_sample"], np.float32(values[field][:count])
+                sent.append((at - stamp * 1e-6 - least, stamp, command.tobytes() in setpoints.get(stamp, ())))
     wrong = next((f"the command for the state of {stamp * 1e-6:.3f} s" for _, stamp, same in sent if not same), None)
     latency = tuple(took for took, _, _ in sent if math.isfinite(took))
     return XrceEvidence(len(sent), wrong, latency)
@@ -149,6 +153,13 @@ def _latest(stamps: NDArray[np.float64]) -> NDArray[np.float64]:
     known = np.isfinite(stamps)
     last = np.maximum.accumulate(np.where(known, np.arange(len(stamps)), -1))
     return np.where(last < 0, 0.0, stamps[last])
+
+
+def _offset(samples: Iterable[Sample]) -> int | None:
+    """us that PX4 last took from its stamps to have them on the agent's clock, which is its own: half of a round trip.
+    None: it has not said."""
+    said = [LAYOUTS["timesync_status", 0].decode(each.cdr) for each in samples if each.topic.name == "timesync_status"]
+    return next((values["estimated_offset"] for values in reversed(said) if values is not None), None)
 
 
 def _stamps(samples: Iterable[Sample]) -> Iterator[int]:

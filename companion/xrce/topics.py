@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from companion.vehicle import CompanionError
 
-_SIZES = {"Q": 8, "d": 8, "I": 4, "f": 4, "H": 2, "B": 1, "b": 1, "?": 1, "s": 1}
+_SIZES = {"Q": 8, "q": 8, "d": 8, "I": 4, "f": 4, "H": 2, "B": 1, "b": 1, "?": 1, "s": 1}
 _FIELD = re.compile(r"(\w+):(\d*)(\w|\?)")
 _NAME = re.compile(r"rt(?:/[A-Za-z0-9_]+)*/fmu/(in|out)/([a-z0-9_]+?)(?:_v(\d+))?")
 
@@ -137,6 +137,9 @@ LAYOUTS: dict[tuple[str, int], Layout] = {
     ("arming_check_reply", 0): Layout(_CHECK_REPLY.format("")),
     ("arming_check_reply", 1): Layout(_CHECK_REPLY.format("mode_req_global_position_relaxed:? ")),
     ("mode_completed", 0): Layout("timestamp:Q result:B nav_state:B"),
+    ("timesync_status", 0): Layout(
+        "timestamp:Q source_protocol:B remote_timestamp:Q observed_offset:q estimated_offset:q round_trip_time:I"
+    ),
 }  # fmt: skip
 """Every layout that is known, by the topic's name and its MESSAGE_VERSION."""
 

@@ -26,8 +26,8 @@ BOOT = 0.2
 """s by our clock when PX4's read zero: sooner than in the captured session, so that its own stamps do not count."""
 
 
-def flown(directory: Path) -> XrceWriter:
-    """Five commands, each 4 ms after the stamp of its state, by PX4's clock."""
+def flown(directory: Path, offset: int = 0) -> XrceWriter:
+    """Five commands, each 4 ms after the stamp of its state, by PX4's clock. ``offset``: us that it takes from stamps."""
     writer, commands = XrceWriter(directory, EPOCH), Commands(OutputLevel.MOTORS)
     commands.tap = writer.datagram
     for each in session():
@@ -37,9 +37,11 @@ def flown(directory: Path) -> XrceWriter:
     for index in range(5):
         now = 100.0 + 0.01 * index
         sample = LAYOUTS["vehicle_control_mode", 0].encode(
-            timestamp=round((now - BOOT) * 1e6), flag_control_offboard_enabled=True
+            timestamp=round((now - BOOT) * 1e6) - offset, flag_control_offboard_enabled=True
         )
-        published = Message(SESSION, 1, 9000 + index, (WriteData(0, 0x1155, sample),))
+        told = LAYOUTS["timesync_status", 0].encode(estimated_offset=offset)
+        said = (WriteData(0, 0x0FF5, told), WriteData(0, 0x1155, sample))
+        published = Message(SESSION, 1, 9000 + index, said)
         commands.receive(wire.encode(published), now)
         commands.send(MotorSetpoint(COMMANDS), now - BOOT, now, True)
         commands.datagrams(now + 0.004)
@@ -66,6 +68,14 @@ def test_the_traffic_is_kept_and_shows_the_commands_and_their_latency(tmp_path: 
     assert (evidence.commands, evidence.differing) == (5, None)
     assert evidence.latency == pytest.approx((0.004,) * 5, abs=2e-6)
     assert "4.0 ms median" in latency_words(evidence)
+
+
+def test_stamps_on_the_agents_clock_are_taken_back_to_px4s(tmp_path: Path) -> None:
+    """The captured client took 43 us from them: half a round trip."""
+    flown(tmp_path, offset=3000).close()
+    evidence = read_latency(tmp_path, table(COMMANDS))
+    assert evidence is not None
+    assert evidence.latency == pytest.approx((0.004,) * 5, abs=2e-6)
 
 
 def test_a_command_that_is_not_its_ticks_setpoint_is_named(tmp_path: Path) -> None:

@@ -16,8 +16,6 @@ from sim_bridge.autopilot.xrce.topic_table import Release
 GYRO_US = 4_000
 """us between two samples of the gyro."""
 SOURCE_DDS = 2  # TimesyncStatus.SOURCE_PROTOCOL_DDS
-I64 = 1 << 64
-"""What a negative number of 64 bits is short of as an unsigned one."""
 FRAME_NED = 1
 """VehicleOdometry's POSE_FRAME_NED and VELOCITY_FRAME_NED."""
 DISARMED = 1  # VehicleStatus.ARMING_STATE_DISARMED
@@ -85,9 +83,7 @@ LAND_DETECTED = Layout(
     "has_low_throttle:? vertical_movement:? horizontal_movement:? rotational_movement:? "
     "close_to_ground_or_skipped_check:? at_rest:?"
 )
-TIMESYNC = Layout(
-    "timestamp:Q source_protocol:B remote_timestamp:Q observed_offset:Q estimated_offset:Q round_trip_time:I"
-)  # offsets are i64, in two's complement
+TIMESYNC = LAYOUTS["timesync_status", 0]  # version 0
 
 
 def sensor_combined(a: Autopilot, stamp: int) -> bytes:
@@ -195,6 +191,6 @@ def control_mode(a: Autopilot, stamp: int) -> bytes:
 def timesync(stamp: int, observed_us: int, estimated_us: int, round_trip_us: int) -> bytes:
     """timesync_status: what an answer of the agent's says of its clock."""
     return TIMESYNC.encode(
-        timestamp=stamp, source_protocol=SOURCE_DDS, observed_offset=observed_us % I64,
-        estimated_offset=estimated_us % I64, round_trip_time=round_trip_us,
+        timestamp=stamp, source_protocol=SOURCE_DDS, observed_offset=observed_us,
+        estimated_offset=estimated_us, round_trip_time=round_trip_us,
     )  # fmt: skip
