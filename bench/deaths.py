@@ -34,7 +34,8 @@ def main() -> None:
             took = ", ".join(f"{each.took:.2f}" for each in found)
             tilts = ", ".join(f"{each.tilt_before:.0f} {each.tilt_max:.0f}" for each in found)
             lost, by = max(each.lost for each in found), found[0].mode.words
-            end = "crash" if any(each.fell for each in found) else ""
+            end = "turned over" if any(each.tilt_max > 90.0 for each in found) else ""
+            end = "crash" if any(each.fell for each in found) else end
             where = "our mode" if own_mode else "OFFBOARD"
             print(f"| {name} | {where} | {level.value} | {took} | {by} | {tilts} | {lost:.2f} | {end} |", flush=True)
 
