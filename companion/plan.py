@@ -142,11 +142,11 @@ def _steering(
     heading: Heading,
     path_pole: float | None,
 ) -> Steering:
-    lag = None if learned is None else learned.rate_lag
+    lag, yaw_lag = (None, None) if learned is None else (learned.rate_lag, learned.yaw_lag)
     highest_gain = max(gains.h1[-1], default_gains(law_level(level)).h1[-1])  # the hold's law has the usual gains
     if law_level(level) is Level.MOTORS:
         prior = prior_of(learned, vehicle.weight / vehicle.thrust_max, vehicle.drag)
-        motors = motor_steering(law, hold, vehicle, prior, highest_gain, course, lag)
+        motors = motor_steering(law, hold, vehicle, prior, highest_gain, course, lag, yaw_lag)
         return motors if level is OutputLevel.MOTORS else torque_steering(motors)
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)
@@ -166,5 +166,5 @@ def _steering(
         heading,
         per_rate,
         path_pole,
-        None if learned is None else learned.yaw_lag,
+        yaw_lag,
     )

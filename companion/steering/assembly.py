@@ -81,9 +81,10 @@ def motor_steering(
     rate_gain: float,
     course: Course | None = None,
     lag: float | None = None,
+    yaw_lag: float | None = None,
 ) -> MotorSteering:
-    """Steering for ``vehicle``. ``rate_gain``: 1/s, the law's largest on the body rates. ``course``, ``lag``: see
-    ``rate_steering``; the lag is kept for a flight on rates.
+    """Steering for ``vehicle``. ``rate_gain``: 1/s, the law's largest on the body rates. ``course``, ``lag``,
+    ``yaw_lag``: see ``rate_steering``; the lags are kept for a flight on rates.
     AllocationError: rotors that cannot make every thrust and torque."""
     allocation = Allocation(vehicle)
     _ = allocation.inverse
@@ -99,6 +100,7 @@ def motor_steering(
         course=course,
         tan_tilt_max=tan_tilt_max(vehicle),
         rate_lag=vehicle.rate_loop_lag if lag is None else lag,
+        yaw_lag=yaw_lag or 0.0,
     )
 
 

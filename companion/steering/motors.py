@@ -99,7 +99,8 @@ class MotorSteering:
 
     ``range``: of zeta. ``prior``: of what is estimated. ``rate_gain``: 1/s, the law's largest on the body
     rates. ``course``: what lies ahead; None: the speed never yields.
-    ``tan_tilt_max``: of the steepest tilt. ``rate_lag``: s, of the vehicle's own rate loop as last found; not used.
+    ``tan_tilt_max``: of the steepest tilt. ``rate_lag``: s, of the vehicle's own rate loop as last found, and
+    ``yaw_lag``: s, of its yaw loop, 0 where not known: not used, and kept for a flight on rates.
     """
 
     law: Law
@@ -113,6 +114,7 @@ class MotorSteering:
     course: Course | None = None
     tan_tilt_max: float = math.inf
     rate_lag: float = 0.06
+    yaw_lag: float = 0.0
 
     @property
     def hover_thrust(self) -> float:
@@ -153,7 +155,10 @@ class MotorSteering:
 
     def learned(self, memory: MotorMemory) -> Learned | None:
         """What this flight found out of its vehicle; None if it was too short or not settled, or nothing is."""
-        return learned_of(memory.estimate.motion, self.hover_thrust, self.rate_lag) if self._observes else None
+        if not self._observes:
+            return None
+        found = learned_of(memory.estimate.motion, self.hover_thrust, self.rate_lag)
+        return None if found is None else found._replace(yaw_lag=self.yaw_lag)
 
     @property
     def _observes(self) -> bool:

@@ -34,7 +34,7 @@ from companion.estimation.vehicle_estimate import (
     predict_vehicle,
     restart_estimate,
 )
-from companion.frames import Heading, Quaternion, Vec3, clamped, rotation_matrix
+from companion.frames import Heading, Quaternion, Vec3, rotation_matrix
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
@@ -242,9 +242,6 @@ class RateSteering:
     ) -> float:  # fmt: skip
         """Yaw compensation: the yaw rate to command (rad/s)."""
         (p, q, wanted), (wp, wq, wr) = command.turn, predicted.w_b
-        if self.vehicle.limits is not None:
-            most = self.vehicle.limits.body_rates[2]
-            wanted = clamped(wanted, -most, most)
         most = self.vehicle.mass * capability.specific_thrust
         authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, abs(p - wp) + abs(q - wq), self.per_rate)
         loop = yaw_loop(memory.estimate.rate_loop.yaw_lag, timing.lag, timing.smoothing)

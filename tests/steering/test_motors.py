@@ -7,7 +7,9 @@ import math
 
 import pytest
 
-from companion.vehicle import OutputLevel
+from companion.estimation.learned import Learned
+from companion.plan import prepared
+from companion.vehicle import MotorInterface, OutputLevel, VehicleState
 from companion.world import Link, Way
 from trials.measured import Measured, course, machine, measure_flight, world
 
@@ -44,3 +46,21 @@ def test_in_a_quiet_world_it_is_nearer_than_a_centimetre() -> None:
     assert learned.hover_thrust == pytest.approx(0.4905, rel=0.02)
     assert learned.drag == pytest.approx(1.0, abs=0.1)
     assert learned.rate_lag == 0.071  # of the rate loop, which was not flown: as told
+
+
+def test_what_was_learned_of_the_loops_it_does_not_fly_is_kept() -> None:
+    """A flight at motors flies neither the tilting loops nor the yaw loop: what rates found of them stays."""
+    vehicle = machine("sih", motors=MotorInterface.DIRECT)
+    mission = course("circle_r5", 3.0, OutputLevel.MOTORS)
+    known = Learned(0.49, 1.0, 0.065, yaw_lag=0.31)
+    steering = prepared(mission, vehicle, OutputLevel.MOTORS, (0.0, 0.0, 0.0), learned=known).steering
+    memory = steering.begin(
+        VehicleState(0.0, (0.0, 5.0, -10.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    )
+    estimate = memory.estimate
+    settled = estimate.motion.estimator._replace(flight_time=20.0)
+    settled = settled._replace(belief=settled.belief._replace(T=(1e-4, 0.0, 1e-3)))
+    memory = memory._replace(estimate=estimate._replace(motion=estimate.motion._replace(estimator=settled)))
+    learned = steering.learned(memory)
+    assert learned is not None
+    assert (learned.rate_lag, learned.yaw_lag) == (0.065, 0.31)
