@@ -44,6 +44,7 @@ The rooms, each standing on those above it (tests/test_architecture.py holds the
     library      what Python and the commands offer alike            services    MAVSDK, off the control path
     study        many flights, and how many of them pass             watch       the live page, a process of its own
     cli          the commands                                        identification  a vehicle file from PX4 or a log
+    feasibility  what a mission will ask of a vehicle                plain_text  what a terminal may be given
 
 The vehicle's software stand-in is its own package, ``sim_bridge``, with its own derivation of the physics.
 """

@@ -15,13 +15,14 @@ The machine
     sensors       truth to the estimate the autopilot flies by
 What happens
     event_schedule  a world's events by the clock
-    world_events    what they do to machine, estimate, messages and links
+    world_events    what they do to machine, estimate (state_faults), messages and links
+    operator        what he asks for at his ground station; strangers: others who speak
     link_model      what becomes of datagrams on their way
 The stand-in PX4
     control/      rate, attitude and position loops, mixing
     autopilot/    arming, modes, offboard, landing; streams, commands, links
 The whole
-    bridge        datagrams and steps in, datagrams out; no socket, no clock
+    bridge        datagrams and steps in, datagrams out; no socket, no clock; teller: what is said to everybody
     server        the bridge on UDP, in real time
     truth_file    the true state of every step, for a report
     __main__      the command sim-bridge

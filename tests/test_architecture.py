@@ -245,6 +245,22 @@ def test_a_public_type_of_the_control_is_in_the_glossary(path: Path) -> None:
 
 
 @pytest.mark.parametrize("package", ["companion", "sim_bridge"])
+def test_the_face_of_a_room_names_all_that_is_in_it(package: str) -> None:
+    """So that whoever looks for something, or for a place for it, reads one list."""
+    for face in sorted((ROOT / package).rglob("__init__.py")):
+        text = ast.get_docstring(ast.parse(face.read_text(encoding="utf-8"))) or ""
+        inside = {path.stem for path in face.parent.glob("*.py")} | {
+            path.parent.name for path in face.parent.glob("*/__init__.py")
+        }
+        unnamed = {
+            name
+            for name in inside - {"__init__", "__main__"}
+            if not re.search(rf"\b{name}\b|\b{name.rsplit('_', 1)[0]}_", text)
+        }
+        assert not unnamed, f"{face.relative_to(ROOT)} does not name {sorted(unnamed)}"
+
+
+@pytest.mark.parametrize("package", ["companion", "sim_bridge"])
 def test_no_modules_import_each_other_in_a_circle(package: str) -> None:
     """Not even where only types are imported."""
     files = {

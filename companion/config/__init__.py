@@ -8,4 +8,5 @@ study/        study files
 vehicle       vehicle files
 json_schemas  the JSON Schemas of them all
 examples      files to begin from
+signing_key   the key of a signed link
 """

@@ -1,8 +1,11 @@
 """What the vehicle does not say: what it is, and where it will be when a command acts.
 
 vehicle_estimate         the estimate block: all of the following, carried from state to state
+motor_estimate           the same of a vehicle that takes motor commands
+motion_estimate          what both have in common: position, velocity and forces
 rate_loop_model          how its rate loop and motors answer a command
-rate_loop_identification the lag and gain of its rate loop
+rate_loop_identification the lag and gain of its rate loop; yaw_loop_identification: the lag in yaw
+body_model               what stands between a motor command and what the vehicle does
 kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, and how the reported ones wander
 noise_levels, adaptation how noisy it is, and how that is found
 estimator                what keeps the filter consistent: freezing, clamps, noise, resets

@@ -26,17 +26,20 @@ Equation -> function -> test (in tests/law, tests/paths, tests/flights, ...)
     Eq. 4                  thrust_range, steering.motors.Extension,   test_blocks, test_rates
                            steering.limits.limit_thrust (rates)
     Lemma 4.1, det D       lie.linearise                              test_exact_derivatives.test_determinant_of_D
-    Eq. 6                  reference.reference                        test_closed_loop.test_invariance
+    Eq. 6                  reference.reference_motion                 test_closed_loop.test_invariance
     Eq. 7                  implicit.outputs (mu)                      test_exact_derivatives
     Eq. 8                  lie.linearise, lie.solve; factored: feedback.wanted_derivative, flatness.body_acceleration
                                                              test_exact_derivatives (both, and that they are equal)
     Eq. 9                  lie.linear_feedback, feedback.linear, gains.from_poles    test_exact_derivatives, test_gains
     Eq. 10                 (the closed loop)                          test_closed_loop.test_errors_are_linear_and_..
     Lambda, eta (IV.B)     paths.arc.ArcTable, paths.tracing          test_tracing, test_closed_loop
-    Eq. 11, Lemma 4.4      reference.reference                        test_closed_loop.test_lemma_4_4
+    Eq. 11, Lemma 4.4      reference.reference_motion                 test_closed_loop.test_lemma_4_4
     Prop. 4.2, Remark 4.3  feasibility.report                         test_check.test_the_papers_cases
     Theorem 4.5            (the poles are in the left half plane)     config.mission, test_files
     Section V              configs/missions/paper_case1, paper_case2  test_closed_loop, test_paper_cases
+
+How it is evaluated: recorded once on symbols (recording) and printed as floats; bare: without a vehicle; speed_scale:
+factors on the speed.
 
 The level of rates is the same design one order earlier: inputs (zeta_dot, p, q, r), one integrator, relative degree
 {3, 3, 2, 1}, det D3 = -zeta^2 cos(phi)/(m^3 cos(theta)) (grad h1 x grad h2) . mu, the same singular set, the same

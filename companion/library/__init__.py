@@ -1,6 +1,7 @@
 """The same flights from Python as from the commands, and what both of them share.
 
-public       what ``import companion`` offers: light to import, each function reads what it needs when it is called
+public       what ``import companion`` offers: light to import; calls: what each function does once it is called
+output       the output levels that may be asked for
 files        mission, vehicle and world files as values: read, made or changed in Python
 making       the makers of such files: a mission from a path, a speed and a heading
 formulas     a Python function -> the expression that a mission file would hold

@@ -1,6 +1,6 @@
 """Ground stations' plans as values: what QGroundControl and MAVProxy write, and what of it is a path.
 
-items       a plan: its items, home, fence
+items       a plan: its items, home, fence; item_place: where an item says to fly
 payload     what cameras, grippers and servos do where it comes to a waypoint
 areas       fences that stand among the items
 scan        a structure scan, which a .plan does not write out, as items

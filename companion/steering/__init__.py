@@ -5,7 +5,7 @@ Each is the same block diagram; ``assembly`` puts it together for a vehicle, ``s
     estimate -> predict -> govern speed -> law -> limits -> encode
 
     steering        what they all are: Steering, Steered, and the aims Along and At
-    rates           jerk -> body rates and thrust
+    rates           jerk -> body rates and thrust; rate_memory: what it remembers
     motors          the paper's chain: snap -> torques -> motor commands
     torques         those torques, told to PX4's allocator
     speed_governor  the speed gives way where the vehicle could not fly the path at the mission's

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from companion.record.report.figures import inline
 from companion.record.report.palette import BLUE, VERMILION
 from companion.record.report.style import WIDTH, drawing, legend, name_y
 
@@ -20,24 +20,23 @@ SCATTERED = 5
 """Values that the error is drawn over, the strongest first; an even number of figures with the first."""
 
 
-def drawn(rows: list[Row], name: str, ranks: list[tuple[str, float]]) -> list[tuple[str, str]]:
+def draw_figures(rows: list[Row], name: str, ranks: list[tuple[str, float]]) -> list[tuple[str, str]]:
     """Each as SVG, and the sentence under it. ``name``: of the error; ``ranks``: what goes with it, strongest first."""
     known = [row for row in rows if row.get(name) is not None]
-    made = [(_svg(lambda panel: _histogram(panel, known, name)), f"Of {len(known)} flights that have one: {name}.")]
-    for key, correlation in ranks[:SCATTERED]:
-        svg = _svg(lambda panel, key=key: _scatter(panel, known, name, key))
-        made.append((svg, f"The error over {key}: rank correlation {correlation:+.2f}."))
-    return made
+    of_all = f"Of {len(known)} flights that have one: {name}."
+    figures = [(_draw("errors", of_all, lambda panel: _histogram(panel, known, name)), of_all)]
+    for number, (key, correlation) in enumerate(ranks[:SCATTERED], 1):
+        caption = f"The error over {key}: rank correlation {correlation:+.2f}."
+        svg = _draw(f"over-{number}", caption, lambda panel, key=key: _scatter(panel, known, name, key))
+        figures.append((svg, caption))
+    return figures
 
 
-def _svg(draw: Any) -> str:
+def _draw(name: str, caption: str, draw: Any) -> str:
     with drawing():
         figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
         draw(figure.subplots())
-        out = io.StringIO()
-        figure.savefig(out, format="svg", metadata={"Date": None})
-    text = out.getvalue()
-    return text[text.index("<svg") :]
+        return inline(figure, name, caption)
 
 
 def _parts(known: list[Row]) -> list[tuple[str, str, list[Row]]]:

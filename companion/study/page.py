@@ -97,12 +97,12 @@ def _figures(said: Verdict, rows: list[Row]) -> str:
     if said.errors is None:
         return ""
     try:
-        from companion.study.figures import drawn
+        from companion.study.figures import draw_figures
     except ImportError:
         raise CompanionError("the page draws with matplotlib: pip install 'px4-path-companion[report]'") from None
     pictures = "".join(
         f"<figure>\n{svg}\n<figcaption><b>Figure {number}.</b> {html.escape(caption)}</figcaption>\n</figure>\n"
-        for number, (svg, caption) in enumerate(drawn(rows, said.errors.name, said.ranks), 1)
+        for number, (svg, caption) in enumerate(draw_figures(rows, said.errors.name, said.ranks), 1)
     )
     return f'<section>\n<h2>How far off the path</h2>\n<div class="figures">\n{pictures}</div>\n</section>\n'
 

@@ -2,7 +2,9 @@
 
     air         gusts                                machine   where the true machine differs from its vehicle file
     estimate    how wrong the vehicle's state is     link      what becomes of datagrams
-    events      pushes, failures, resets: what happens at a time
+    events      pushes, failures, resets: what happens at a time (when); link_events: to datagrams
+    actors      the operator, the pilot's hands, strangers on the link
+    words       all of it for people
 
 SI units and radians; world frame NED (``_n``). The figures of a vehicle file are what the companion believes; a World
 says what is true where that differs. ``Start`` says how a vehicle comes up in the air.

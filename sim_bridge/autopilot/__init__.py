@@ -9,4 +9,5 @@ logger/       the vehicle's own log
 mavlink/      one endpoint: bytes in, bytes out; streams, parameters, files
 messages/     what the vehicle says, message by message
 commands/     what it answers to commands
+xrce/         PX4's uxrce_dds_client: its topics to and from an agent
 """

@@ -1,1 +1,1 @@
-"""Study files: what is flown many times, what varies, what is required of it."""
+"""Study files: what is flown many times, what varies, what is required of it (``keys``)."""

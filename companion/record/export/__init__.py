@@ -6,4 +6,5 @@ schemas     the JSON schemas of those, and of Foxglove's own that are used
 scene       the path, what was flown and the vehicle as lines to look at
 mcap_file   one MCAP file (needs the extra ``log``)
 csv_files   one CSV file a table, and a legend
+ulog_series PX4's own log beside them
 """

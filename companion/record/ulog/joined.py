@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from companion.config.syntax.faults import ConfigError, Fault
+from companion.record.series import is_rising
 from companion.record.table import Table
 from companion.record.ulog.clock import Alignment, alignment
 from companion.record.ulog.reading import Array, LogSeries, read_ulog
@@ -86,5 +87,5 @@ def _body_rates(table: Table) -> tuple[Array, Array]:
     stamps = rows["t_boot"].astype(float)
     if not len(rows):
         return stamps, np.zeros((0, 3))
-    rising = np.concatenate(([True], stamps[1:] > np.maximum.accumulate(stamps)[:-1]))
+    rising = is_rising(stamps)
     return stamps[rising], np.column_stack([rows[axis] for axis in "pqr"]).astype(float)[rising]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.config.syntax.faults import ConfigError, Fault
+from companion.record.series import is_rising
 from companion.record.ulog.topics import BODY_RATES, TOPICS
 from companion.vehicle import CompanionError
 
@@ -45,7 +46,7 @@ def read_ulog(file: Path) -> dict[str, LogSeries]:
         if read is None:
             continue
         stamp = read[topic.stamp if topic.stamp in read else "timestamp"].astype(np.float64) * 1e-6
-        rising = np.concatenate(([True], stamp[1:] > np.maximum.accumulate(stamp)[:-1]))
+        rising = is_rising(stamp)
         found[topic.name] = LogSeries(stamp[rising], {
             column.name: read[column.field].astype(np.float64)[rising]
             for column in topic.columns if column.field in read

@@ -12,6 +12,7 @@ battery         how full it is
 tilt_watch      whether the vehicle has tipped over
 fence_watch     whether the vehicle is where it may be
 landing         whether the vehicle is on the ground
+external_modes  flight modes that others bring
 home_position   when the vehicle knows where it is, and where its home is
 events          what is said in numbers beside the texts
 event_table     what the events mean, for ground stations

@@ -1,10 +1,10 @@
 """What the vehicle answers to commands: MAV_CMD -> MAV_RESULT, as PX4 does.
 
-taken       which parameters a command takes, and how COMMAND_INT gives a place
-parts       a command, what it may do to its link, numbers
-modes       modes, arming, take-off, landing, return
-navigation  places, speeds, missions, home
-services    streams, requests, parameters, calibration and what a vehicle without the device says
+command_parameters  which parameters a command takes, and how COMMAND_INT gives a place
+parts               a command, what it may do to its link, numbers
+modes               modes, arming, take-off, landing, return
+navigation          places, speeds, missions, home
+services            streams, requests, parameters, calibration and what a vehicle without the device says
 
 Some commands PX4 leaves to a module that is not there: those get no answer at all.
 """
