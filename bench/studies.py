@@ -193,7 +193,7 @@ def tape() -> None:
             return super().function(name, outputs)
 
     with unittest.mock.patch.object(kalman_step, "Tape", Kept):
-        one = kalman_step._recorded("kalman", learning=True)
+        one = kalman_step._record_step("kalman", learning=True)
     recorded, name, outputs = made[0]
     many = recorded.array_function(name, outputs)
     covariance = [1.0 if i == j else 0.01 for i, j in kalman_step.UPPER] * kalman_step.AXES

@@ -127,7 +127,7 @@ def gains_of(mission: Mission, vehicle: Vehicle, level: OutputLevel, tuning: Tun
         lag = vehicle.motor_lag
     if level is OutputLevel.ATTITUDE:
         lag += as_attitude(tuning).smoothing
-    return auto_gains(law_level(level), lag + vehicle.link_delay + HOLD)
+    return auto_gains(law_level(level), lag + vehicle.dead_time + HOLD)
 
 
 def _steering(

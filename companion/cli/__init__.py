@@ -10,7 +10,7 @@ status     what the companions on this computer are doing; watch: the live page
 preflight  the vehicle's parameters before a flight
 vehicle_making a vehicle file of what PX4 says and of a log; vehicle_showing: beside what flights found
 bare       the law without a vehicle, state by state
-export     a mission as a plan or a table; export_flight a flight for other programs
+export     a mission as a plan or a table; export_flight: a flight for other programs; writing: never over another file
 new        examples of every kind of file, and their schemas
 around     what every flight is wrapped in: record, signals
 finish     what every flight ends with: summary, folder, report (page), PX4's log (vehicle_log), exit code

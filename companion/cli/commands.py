@@ -211,20 +211,20 @@ def fly(
     from companion.cli import flying
     from companion.cli.finish import Ending
     from companion.config.signing_key import read_key
-    from companion.daemon.address import parsed
-    from companion.daemon.forwarding import parsed_endpoint
+    from companion.daemon.address import parse_address
+    from companion.daemon.forwarding import parse_endpoint
     from companion.flight.conduct import Conduct, Finish, Limits
     from companion.library.orders import Faults, check_record, given_home, read_sortie
     from companion.record.place import new_directory
 
     faults = Faults()
-    open_port = faults.collect(lambda: parsed(connect))
+    open_port = faults.collect(lambda: parse_address(connect))
     open_xrce = None if xrce is None else faults.collect(lambda: flying.xrce_port(xrce), "--xrce")
     given = faults.collect(lambda: given_home(home)) or NO_HOME_GIVEN
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, flying.output_in(start, output, xrce), given=given))
     faults.collect(lambda: check_record(record))
     key = None if signing_key is None else faults.collect(lambda: read_key(signing_key))
-    shared = faults.collect(lambda: tuple(map(parsed_endpoint, forward or ())), "--forward") or ()
+    shared = faults.collect(lambda: tuple(map(parse_endpoint, forward or ())), "--forward") or ()
     log = faults.collect(lambda: flying.log_address(connect, signed=signing_key is not None)) if fetch_log else None
     faults.raise_any()
     assert sortie is not None and open_port is not None

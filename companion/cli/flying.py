@@ -15,7 +15,7 @@ from companion.cli.page import write_page
 from companion.cli.terminal import say
 from companion.cli.vehicle_log import fetch_and_join
 from companion.config.syntax.faults import ConfigError, Fault
-from companion.daemon.beside import parsed
+from companion.daemon.beside import parse_xrce_address
 from companion.daemon.conductor import Conductor, Orders
 from companion.daemon.forwarding import Endpoint
 from companion.daemon.last_resort import error_words
@@ -114,7 +114,7 @@ def output_in(start: WhoStarts | None, output: Output, xrce: str | None) -> Outp
 def xrce_port(url: str) -> Callable[[Sortie, bool], Port]:
     """How to open the address of ``--xrce`` for what is to be flown; whether the user knows what PX4 no longer does.
     AddressError: it is no address, or cannot be opened. CompanionError: that is not flown over it."""
-    opening = parsed(url)
+    opening = parse_xrce_address(url)
 
     def opened(sortie: Sortie, accepted: bool) -> Port:
         refused = direct_refused(sortie.vehicle, sortie.level, accepted=accepted)

@@ -28,11 +28,11 @@ def preflight(
     from companion.cli.preflight import preflight as look
     from companion.cli.terminal import say
     from companion.config.syntax.faults import Fault
-    from companion.daemon.address import is_exposed, parsed
+    from companion.daemon.address import is_exposed, parse_address
     from companion.library.orders import Faults, read_sortie
 
     faults = Faults()
-    faults.collect(lambda: parsed(connect))
+    faults.collect(lambda: parse_address(connect))
     if signing_key is not None:
         faults.add(
             Fault(

@@ -8,7 +8,7 @@ from typing import Any
 from companion.cli.finish import COMPLETED, FAILED, NO_VEHICLE, refuse
 from companion.cli.terminal import say
 from companion.config.plan.qgroundcontrol import plan_from
-from companion.flight.preflight import RATE_WANTED
+from companion.flight.link_needs import RATE_WANTED
 from companion.library.orders import Sortie
 from companion.mission import Origin
 from companion.places.origins import PlaceError, placed

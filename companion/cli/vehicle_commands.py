@@ -105,7 +105,7 @@ def sign(
     from companion.cli.terminal import say, tell
     from companion.config.signing_key import read_key
     from companion.config.syntax.faults import Fault
-    from companion.daemon.address import parsed
+    from companion.daemon.address import parse_address
     from companion.daemon.key_giving import give_key
     from companion.daemon.loop import NoVehicleError, clock
     from companion.daemon.signing_files import signing_with
@@ -113,7 +113,7 @@ def sign(
     from companion.mavlink.key_setup import KeySetup
 
     faults = Faults()
-    open_port = faults.collect(lambda: parsed(connect))
+    open_port = faults.collect(lambda: parse_address(connect))
     key = faults.collect(lambda: read_key(signing_key))
     faults.raise_any()
     assert open_port is not None and key is not None
@@ -156,12 +156,12 @@ def log(
     from companion.cli.terminal import say, tell
     from companion.cli.vehicle_log import fetch_newest_log
     from companion.config.syntax.faults import Fault
-    from companion.daemon.address import parsed
+    from companion.daemon.address import parse_address
     from companion.library.orders import Faults
     from companion.services.vehicle import NoVehicleHeardError, ServiceError
 
     faults = Faults()
-    faults.collect(lambda: parsed(connect))
+    faults.collect(lambda: parse_address(connect))
     if not to.is_dir():
         faults.add(Fault("--to", 0, "", f"{to}: no such folder"))
     faults.raise_any()

@@ -158,7 +158,7 @@ def vehicle_from(document: Document) -> Vehicle:
         drag=model.drag_per_s,
         hover_thrust=None if model.hover_thrust == "auto" else model.hover_thrust,
         rate_loop_lag=model.rate_loop_lag_s,
-        link_delay=model.link_delay_s,
+        dead_time=model.link_delay_s,
         motors=MotorInterface(model.motors),
         state_rate=model.state_rate_hz,
         limits=limits,

@@ -91,17 +91,17 @@ def _is_exposed(host: str) -> bool:
 
 def is_exposed(url: str) -> bool:
     """Whether others than this computer and what is wired to it can send to an address. AddressError: it is none."""
-    parsed(url)
+    parse_address(url)
     parts = urlsplit(url)
     return parts.scheme != "serial" and _is_exposed(socket.gethostbyname(parts.hostname or ""))
 
 
-def opened(url: str) -> Port:
+def open_port(url: str) -> Port:
     """The open port of an address. AddressError: it is not one, or cannot be opened."""
-    return parsed(url)()
+    return parse_address(url)()
 
 
-def parsed(url: str) -> Callable[[], Port]:
+def parse_address(url: str) -> Callable[[], Port]:
     """How to open an address. AddressError: it is not one."""
     try:
         parts = urlsplit(url)

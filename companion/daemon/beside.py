@@ -8,8 +8,7 @@ from __future__ import annotations
 import select
 from collections.abc import Callable
 
-from companion.daemon.address import EXPECTED
-from companion.daemon.address import parsed as parsed_mavlink
+from companion.daemon.address import EXPECTED, parse_address
 from companion.daemon.port import AddressError, Port
 from companion.mavlink.peer import Received, Source
 from companion.xrce.commands import Commands
@@ -85,14 +84,14 @@ class Beside:
         self._xrce.port.close()
 
 
-def parsed(url: str) -> Callable[[], Port]:
+def parse_xrce_address(url: str) -> Callable[[], Port]:
     """How to open the address of ``--xrce``. AddressError: it is none, or it cannot be opened."""
     expected = "expected udp://HOST:PORT or serial:///dev/NAME:BAUD"
     if not url.startswith(("udp://", "serial://")):
         raise AddressError(f"{url!r} is no address for --xrce; {expected}")
     listening = url.replace("udp://", "udpin://", 1)
     try:
-        opening = parsed_mavlink(listening)
+        opening = parse_address(listening)
     except AddressError as error:
         raise AddressError(str(error).replace(listening, url).replace(EXPECTED, expected)) from None
 

@@ -43,10 +43,10 @@ ENDING = frozenset(phase for phase, exits in EXITS.items() if exits and Event.ST
 class Conductor:
     """One companion flying one vehicle.
 
-    Doors: ``receive`` and ``on_timer`` take the time (s, monotonic); ``datagrams`` gives what is to be sent; ``sent``
-    is told when that is done, and may leave more of it; ``next_timer`` says when to call again. ``notes``: lines for
-    people, taken by the caller. ``xrce``: where setpoints go to PX4's XRCE client, the same doors for that
-    link. ``now``: s, the stamp of what is recorded.
+    Doors: ``receive`` and ``on_timer`` take the time (s, monotonic); ``datagrams`` gives what is to be sent;
+    ``finish_tick`` is called when that is done, and may leave more of it; ``next_timer`` says when to call again.
+    ``notes``: lines for people, taken by the caller. ``xrce``: where setpoints go to PX4's XRCE client, the same doors
+    for that link. ``now``: s, the stamp of what is recorded.
     """
 
     def __init__(self, orders: Orders, recorder: TickRecorder | None, now: float, *, stream: bool = False) -> None:
@@ -55,7 +55,7 @@ class Conductor:
         self.link = wire.Link(streams=streams(orders.vehicle.state_rate))
         self.parameters = Parameters(self.link.send)
         self.telemetry = telemetry.Telemetry()
-        self._frames: list[bytes] = []  # what came and went since the last ``sent``, for the record
+        self._frames: list[bytes] = []  # what came and went since the last ``finish_tick``, for the record
         self.repeats = Repeats()
         self.decoder = Decoder(wanted=WANTED)
         if recorder is not None:
@@ -103,7 +103,7 @@ class Conductor:
         """What the flight found out of its vehicle; None if that is nothing."""
         if self.plan is None or self.memory is None or self.memory.steering.memory is None:
             return None
-        return self.plan.steering.learned(self.memory.steering.memory)
+        return self.plan.steering.learned_values(self.memory.steering.memory)
 
     @property
     def states(self) -> int:
@@ -149,7 +149,7 @@ class Conductor:
                     continue
                 acknowledged = self.link.receive(frame, now)
                 if acknowledged is not None:
-                    answer = None if self.payload.answered(*acknowledged) else answer_to(*acknowledged)
+                    answer = None if self.payload.take_answer(*acknowledged) else answer_to(*acknowledged)
                 of_vehicle = self.link.of_vehicle(frame)
                 if frame.format.id in GROUND_WANTED and self.link.identity is not None:
                     self.ground.receive(frame, self.link.identity.system, now, of_vehicle=of_vehicle)
@@ -188,16 +188,16 @@ class Conductor:
         return min(self._wake_at, link.next_timer(), parameters.next_timer(), ground.next_timer(), payload.next_timer())
 
     def datagrams(self) -> list[bytes]:
-        """What is to be sent now, as it was queued. What ``supervise`` queues comes after ``sent``."""
+        """What is to be sent now, as it was queued. What ``supervise`` queues comes after ``finish_tick``."""
         outgoing, self.link.outgoing = self.link.outgoing, []
         self._frames += outgoing
         return outgoing
 
-    def sent(self, latency: float = math.nan) -> None:
+    def finish_tick(self, latency: float = math.nan) -> None:
         """The datagrams are on their way, ``latency`` s after what caused them arrived. The rest of the tick."""
         if self._recorder is not None:
             for frame in self._frames:
-                self._recorder.frame(self.now, frame)
+                self._recorder.add_frame(self.now, frame)
         if self._relay is not None:
             for frame in self._frames:
                 self._relay(frame)
@@ -206,7 +206,7 @@ class Conductor:
         if self._unrecorded is not None:
             tick, self._unrecorded = self._unrecorded, None
             if self._recorder is not None:
-                self._recorder.tick(tick.observation, tick.memory, tick.outcome, tick.now, latency)
+                self._recorder.add_tick(tick.observation, tick.memory, tick.outcome, tick.now, latency)
 
     def drop_tick(self) -> None:
         """Forget the tick in hand: its pilot has failed."""
@@ -235,7 +235,7 @@ class Conductor:
             return
         clock = self.link.clock
         clock.may_restart = self.memory.phase in NOT_FLYING
-        self.plan = self.ground.retuned(self.plan, now, self._recorder)
+        self.plan = self.ground.apply_settings(self.plan, now, self._recorder)
         observation = Observation(
             state, self.telemetry.status, answer, self._stop, self.link.round_trip, self._states.rate, behind,
             self.link.companions(now), self.ground.speed_scale, self._late if state is not None else 0.0, clock.rate,

@@ -60,7 +60,7 @@ class Endpoint:
         return f"{self.host}:{self.port}"
 
 
-def parsed_endpoint(url: str) -> Endpoint:
+def parse_endpoint(url: str) -> Endpoint:
     """The endpoint of an address. AddressError: it is none."""
     try:
         parts = urlsplit(url)
@@ -168,7 +168,7 @@ class Forwarder(Helper):
 
     def __init__(self, endpoints: Sequence[Endpoint], lines: deque[str], clock: Callable[[], float]) -> None:
         super().__init__("forwarding", lines, clock)
-        self.ends = [Line(endpoint, _connected(endpoint)) for endpoint in endpoints]
+        self.ends = [Line(endpoint, _connect(endpoint)) for endpoint in endpoints]
         self._down: deque[bytes] = deque(maxlen=DOWN_MAX)
         self._up: deque[bytes] = deque()
 
@@ -205,7 +205,7 @@ class Forwarder(Helper):
         ]
 
 
-def _connected(endpoint: Endpoint) -> socket.socket:
+def _connect(endpoint: Endpoint) -> socket.socket:
     """A socket that hears this endpoint only."""
     made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     made.setblocking(False)

@@ -68,7 +68,7 @@ class GroundSide:
             self._own.named[name] = Own(*setting)
             self._applied[name] = setting.value
 
-    def retuned(self, plan: Plan, now: float, recorder: TickRecorder | None) -> Plan:
+    def apply_settings(self, plan: Plan, now: float, recorder: TickRecorder | None) -> Plan:
         """The plan with the gains and limits that were set since the tick before."""
         if not self._is_set:
             return plan
@@ -87,7 +87,7 @@ class GroundSide:
             return plan
         self._applied |= changed
         if recorder is not None:
-            recorder.retuned(changed, now)
+            recorder.add_settings(changed, now)
         return plan
 
     def draw(self, plan: Plan, frame: LocalFrame, system: int) -> None:

@@ -101,9 +101,9 @@ class LastResort:
         """What is to be sent now."""
         return self._try(self._conductor.datagrams) or []
 
-    def sent(self, latency: float = math.nan) -> None:
+    def finish_tick(self, latency: float = math.nan) -> None:
         """It is on its way."""
-        self._try(lambda: self._conductor.sent(latency))
+        self._try(lambda: self._conductor.finish_tick(latency))
 
     def stumble(self, now: float) -> None:
         """Something failed again, outside of these doors: time goes on."""
@@ -113,14 +113,14 @@ class LastResort:
         return (
             self._authority in (ControlAuthority.COMPANION, ControlAuthority.PILOT)
             and self._conductor.memory is not None
-            and self._conductor.telemetry.status.known(self._now).mode is Mode.OFFBOARD
+            and self._conductor.telemetry.status.known_at(self._now).mode is Mode.OFFBOARD
         )
 
     def _act(self, now: float) -> None:
         self._now = self._conductor.now = now
         since = now - self._begun
         ours = self._ours()
-        status = self._conductor.telemetry.status.known(now)
+        status = self._conductor.telemetry.status.known_at(now)
         if self._restoring_since is not None:
             self._try(self._conductor.preparation.report_restored)
         elif since > ASKING or (not ours and status.mode_age < FRESH_LOST < since):
@@ -145,8 +145,8 @@ class LastResort:
         state = self._state if now - self._state_at <= STATE_AGE_MAX else None
         t_boot = now if state is None else state.t_boot
         steering, known = plan.steering, memory.steering.memory
-        if not self._queue(lambda: steering.level(state, known), t_boot, now):
-            self._queue(lambda: steering.level(None), t_boot, now)
+        if not self._queue(lambda: steering.level_setpoint(state, known), t_boot, now):
+            self._queue(lambda: steering.level_setpoint(None), t_boot, now)
 
     def _queue(self, setpoint: Callable[[], Setpoint], t_boot: float, now: float) -> bool:
         """Have a setpoint sent that may fail to be computed; whether it is."""

@@ -53,12 +53,12 @@ def live_document(conductor: Conductor, now: float) -> dict[str, Any] | None:
             "speed_mps": _round(speed),
             "speed_error_mps": _round(speed - steered.command.alpha),
             "yaw_error_deg": _round(math.degrees(yaw_error(steered))),
-            "thrust_n": _round(steered.thrust_n),
+            "thrust_n": _round(steered.thrust),
         }
     said["guards"] = guards(tick, plan)
     said["link"] = {
         "age_s": None if memory.state_at is None else _round(now - memory.state_at),
-        "round_trip_s": _round(tick.observation.link_delay),
+        "round_trip_s": _round(tick.observation.round_trip),
         "rate_hz": _round(tick.observation.rate),
     }
     status = conductor.telemetry.status.last

@@ -218,7 +218,7 @@ class _Flight:
         for datagram in self._flown.datagrams():  # the setpoint
             if to is not None:
                 self._port.send(datagram, to)
-        self._flown.sent(clock() - arrived)  # the rest of the tick, pilot.supervise, and the record
+        self._flown.finish_tick(clock() - arrived)  # the rest of the tick, pilot.supervise, and the record
         for datagram in self._flown.datagrams():  # what that queued
             if to is not None:
                 self._port.send(datagram, to)
@@ -233,7 +233,7 @@ class _Flight:
         for frame in frames:
             self._port.send(frame, to)
             if self._recorder is not None:
-                self._recorder.frame(now, frame)
+                self._recorder.add_frame(now, frame)
 
     def _hand_over(self, now: float) -> None:
         """What was said goes to the record and to the screen."""

@@ -44,4 +44,4 @@ def commands_of(orders: Orders, recorder: TickRecorder | None) -> Commands:
     """What the setpoints of a flight over XRCE go through; the traffic is told to ``recorder``."""
     name = orders.conduct.own_mode
     mode = None if name is None else FlightMode(name, orders.level)
-    return Commands(orders.level, tap=None if recorder is None else recorder.datagram, flight_mode=mode)
+    return Commands(orders.level, tap=None if recorder is None else recorder.add_datagram, flight_mode=mode)

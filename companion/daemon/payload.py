@@ -36,7 +36,7 @@ class Payload:
             self.sent += 1
             self._waiting.append((action, command, now))
 
-    def answered(self, command: Command, result: int) -> bool:
+    def take_answer(self, command: Command, result: int) -> bool:
         """Whether a command that was answered is one of the payload's."""
         for index, (action, waiting, _) in enumerate(self._waiting):
             if waiting is command:

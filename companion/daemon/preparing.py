@@ -99,7 +99,7 @@ class Preparation:
 
     def _lacks(self, orders: Orders, identity: Identity, now: float) -> str | None:
         """What the vehicle has not said yet, by its MAVLink name; None: the plan can be made."""
-        status = self.telemetry.status.known(now)
+        status = self.telemetry.status.known_at(now)
         if not (self.parameters.settled and self.link.is_set_up):
             return "the answers to what was asked of it (PARAM_VALUE, COMMAND_ACK)"
         if self.xrce is not None and (lacking := self.xrce.missing) is not None:

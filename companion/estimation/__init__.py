@@ -10,7 +10,7 @@ kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, an
 noise_levels, adaptation how noisy it is, and how that is found
 estimator                what keeps the filter consistent: freezing, clamps, noise, resets
 predictor                a state advanced by a short time, under the commands already sent
-link_delay               the dead time
+dead_time                from a state to the moment its command acts
 translation              the translational acceleration
 learned                  what one flight leaves for the next
 """

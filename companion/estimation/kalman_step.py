@@ -87,7 +87,7 @@ class _Axis(NamedTuple):
     G: Matrix
 
 
-def _recorded(name: str, *, learning: bool) -> Function:
+def _record_step(name: str, *, learning: bool) -> Function:
     """``learning``: False freezes k and c; they move neither their axes nor their own covariance (Schmidt)."""
     tape = Tape()
     (dt,) = tape.inputs("dt")
@@ -269,7 +269,7 @@ def _sum(values: list[Scalar], states: tuple[int, ...]) -> Scalar:
     return total
 
 
-STEP = _recorded("kalman", learning=True)
+STEP = _record_step("kalman", learning=True)
 """(dt, F, g, measurement, noise, state, S, G, T) -> (state, S, G, T, innovations, variances)."""
-STEP_FROZEN = _recorded("kalman_frozen", learning=False)
+STEP_FROZEN = _record_step("kalman_frozen", learning=False)
 """The same without learning k and c."""

@@ -76,9 +76,15 @@ def advance_motion(
     # the thrust axis, a mean of both ends
     (ox, oy, oz), (x, y, z) = before.z_axis_n, state.z_axis_n
     half = 0.5 * specific_thrust
-    thrust_n = (half * (ox + x), half * (oy + y), half * (oz + z))
+    specific_thrust_n = (half * (ox + x), half * (oy + y), half * (oz + z))
     measurement = Measurement(
-        state.t_boot - before.t_boot, thrust_n, state.p_n, state.v_n, limited, state.resets != before.resets, moving
+        state.t_boot - before.t_boot,
+        specific_thrust_n,
+        state.p_n,
+        state.v_n,
+        limited,
+        state.resets != before.resets,
+        moving,
     )
     estimator, forces = estimate.estimator, estimate.forces
     if estimate.pending is not None:

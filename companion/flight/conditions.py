@@ -79,12 +79,12 @@ class SafetyInputs(NamedTuple):
     tilt: float = 0.0  # rad
     tilt_error: float = 0.0  # rad between the thrust axis and the one the law asks for
     rate_error: float | None = None  # rad/s between the rates asked for and flown; None where none are
-    turning: float = 0.0  # rad/s, how fast it turns
+    body_rate: float = 0.0  # rad/s, how fast it turns
     still: bool = False  # it neither moves nor turns
     saturated: bool = False  # a limit of the vehicle was met
     thrust_share: float = 0.0  # asked for, of the largest thrust
     sinking: float = 0.0  # m/s downwards
-    link_delay: float | None = None  # s, of a message; None where it is not known
+    round_trip: float | None = None  # s, of a message; None where it is not known
     needs: LinkNeeds = BY_RATE_LOOP  # of the link
     jump: float = 0.0  # m that the position jumped
     flagged: bool = True  # by the estimator's reset counter
@@ -97,7 +97,7 @@ class SafetyInputs(NamedTuple):
     rate: float | None = None  # Hz of states; None until measured
     gaps: int = 0  # in the states, of the last while
     companions: int = 0  # others that speak on the link
-    turning_max: float | None = None  # rad/s, where PX4's rate loop does not bound turning
+    body_rate_max: float | None = None  # rad/s, where PX4's rate loop does not bound it
     specific_thrust_commanded: float = 0.0  # m/s^2; 0 where it is not followed
     specific_thrust_made: float = 0.0  # m/s^2
     rotor_left: float = 1.0  # share of its thrust that the weakest rotor gives
@@ -167,17 +167,17 @@ def tilt_error(s: SafetyInputs, limits: Limits) -> str | None:
 
 
 def rates(s: SafetyInputs, limits: Limits) -> str | None:
-    if s.rate_error is None or s.rate_error <= RATE_ERROR or s.turning <= TURNING:
+    if s.rate_error is None or s.rate_error <= RATE_ERROR or s.body_rate <= TURNING:
         return None
     return f"the body rates are {s.rate_error:.1f} rad/s off the commanded ones"
 
 
 def turns(s: SafetyInputs, limits: Limits) -> str | None:
     """It turns faster than PX4 would let it, where PX4 does not look."""
-    if s.turning_max is None or s.turning <= s.turning_max:
+    if s.body_rate_max is None or s.body_rate <= s.body_rate_max:
         return None
     cause = _weak_rotor(s) or _thrust(s, THRUST_RATIO_LEANS)
-    return cause or f"the vehicle turns at {math.degrees(s.turning):.0f} deg/s"
+    return cause or f"the vehicle turns at {math.degrees(s.body_rate):.0f} deg/s"
 
 
 def thrust_gone(s: SafetyInputs, limits: Limits) -> str | None:
@@ -200,9 +200,9 @@ def thrust_spent(s: SafetyInputs, limits: Limits) -> str | None:
 
 def delay(s: SafetyInputs, limits: Limits) -> str | None:
     """The link has become slow."""
-    if s.link_delay is None or s.link_delay <= s.needs.delay:
+    if s.round_trip is None or s.round_trip <= s.needs.delay:
         return None
-    return f"a message takes {s.link_delay:.2f} s there and back, more than {s.needs.delay:g} s"
+    return f"a message takes {s.round_trip:.2f} s there and back, more than {s.needs.delay:g} s"
 
 
 def _weak_rotor(s: SafetyInputs) -> str | None:

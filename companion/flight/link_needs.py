@@ -15,6 +15,9 @@ class LinkNeeds(NamedTuple):
     rate: float
 
 
+RATE_WANTED = 20.0
+"""Hz of states, of which fewer are not begun with (engineering choice), and are why an attitude is not held. Simulated:
+14 Hz swing up within 1 s at rates."""
 BY_RATE_LOOP = LinkNeeds(delay=0.2, rate=12.0)
 """s there and back, and Hz of states, where the vehicle's own rate loop stands between. Issue 11: 100 ms each way;
 beyond it the law tilts too far. Simulated: 12.5 states a second fly the circle of the deck to its end."""

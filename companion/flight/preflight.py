@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from companion.flight.conditions import missing_estimate
 from companion.flight.conduct import ControlAuthority, Finish, Limits
-from companion.flight.link_needs import BY_RATE_LOOP, LinkNeeds
+from companion.flight.link_needs import BY_RATE_LOOP, RATE_WANTED, LinkNeeds
 from companion.vehicle import KnownStatus, Landed
 
 STATE_GONE = 0.5
@@ -20,8 +20,6 @@ CLOCK_RATE_MAX = 5.0
 CLOCK_RATE_KEPT = 0.94
 """s a second of a clock that is flown with; one that falls behind by more makes every state late. As DRIFT_MAX of
 mavlink/clock.py; only a simulation's does."""
-RATE_WANTED = 20.0
-"""Hz of states, below which no path is flown. Engineering choice."""
 
 
 class PreflightInputs(NamedTuple):
@@ -36,7 +34,7 @@ class PreflightInputs(NamedTuple):
     companions: int = 0  # others that speak on the link
     state_age: float | None = 0.0  # s since the last state
     clock_rate: float | None = 1.0  # s of the vehicle's clock a second of ours; None until measured
-    link_delay: float | None = None  # s, of a message; None until measured
+    round_trip: float | None = None  # s, of a message; None until measured
     needs: LinkNeeds = BY_RATE_LOOP  # of the link, at the level that is flown
 
 
@@ -64,10 +62,10 @@ def _fresh(s: PreflightInputs) -> str | None:
 
 
 def _delay(s: PreflightInputs) -> str | None:
-    if s.link_delay is None or s.link_delay <= s.needs.delay:
+    if s.round_trip is None or s.round_trip <= s.needs.delay:
         return None
     return (
-        f"a message takes {500.0 * s.link_delay:.0f} ms each way (TIMESYNC), {500.0 * s.needs.delay:.0f} ms at most "
+        f"a message takes {500.0 * s.round_trip:.0f} ms each way (TIMESYNC), {500.0 * s.needs.delay:.0f} ms at most "
         "can be flown with; use a quicker link"
     )
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from companion.flight import conditions
 from companion.flight.conditions import SafetyInputs
 from companion.flight.conduct import Limits
-from companion.flight.link_needs import BY_RATE_LOOP, WITHOUT_RATE_LOOP
+from companion.flight.link_needs import BY_RATE_LOOP, RATE_WANTED, WITHOUT_RATE_LOOP
 from companion.vehicle import TILT_MARGIN
 
 
@@ -39,14 +39,11 @@ MEND_LINK = "mend the link: antennas, range, another radio; or ask for fewer sta
 LINK_ADVICE = frozenset({RAISE_SPEED, MEND_LINK})
 """What is advised where the link is to blame."""
 
-FEW_STATES = 20.0
-"""Hz of states, below which they are why an attitude is not held. Simulated: 14 Hz swing up within 1 s at rates."""
-
 
 def _too_few_to_hold(s: SafetyInputs, limits: Limits) -> str | None:
     """The attitude is not held, because states are too far apart."""
     off = conditions.rates(s, limits)
-    if off is None or s.rate is None or s.rate >= FEW_STATES:
+    if off is None or s.rate is None or s.rate >= RATE_WANTED:
         return None
     return f"only {s.rate:.0f} states a second arrive, too few to hold the attitude by: {off}"
 
@@ -116,7 +113,7 @@ ROWS: tuple[Row, ...] = (
         "land it and look at motors and propellers",
     ),
     Row(
-        f"the body rates are {conditions.RATE_ERROR:g} rad/s off on fewer than {FEW_STATES:g} states a second",
+        f"the body rates are {conditions.RATE_ERROR:g} rad/s off on fewer than {RATE_WANTED:g} states a second",
         _too_few_to_hold,
         0.2,
         Action.ABORT,

@@ -58,7 +58,7 @@ def _exchange(conductor: Conductor, flown: Conductor | LastResort, bridge: Bridg
         if now >= flown.next_timer():
             flown.on_timer(now)
         _send(conductor, flown, bridge)
-        flown.sent()
+        flown.finish_tick()
         _send(conductor, flown, bridge)
         arrived = _arrived(conductor, bridge, now)
         if flown.done:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from companion.config.mission.mission import bare_mission_from, mission_from
-from companion.config.plan.source import attached, is_plan, mission_text, parsed
+from companion.config.plan.source import attached, is_plan, mission_text, parse_plan_text
 from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import find, read
@@ -189,7 +189,8 @@ def document_of(source: Source) -> Document:
 
 def mission_document(source: Source, *, plans: bool = True) -> Document:
     """The same of a mission, which may stand for a plan where ``plans``."""
-    return _without_lines(source, parsed(source.text, source.name) if plans else parse(source.text, source.name))
+    read = parse_plan_text if plans else parse
+    return _without_lines(source, read(source.text, source.name))
 
 
 def _without_lines(source: Source, document: Document) -> Document:

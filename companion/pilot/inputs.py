@@ -7,7 +7,7 @@ import math
 from companion.flight import conditions, preflight, safety
 from companion.flight.bench import fault as bench_fault
 from companion.flight.conduct import ControlAuthority
-from companion.flight.link_needs import NEEDS
+from companion.flight.link_needs import NEEDS, RATE_WANTED
 from companion.flight.phases import FLOWN, PHASES, Phase
 from companion.flight.situation import Situation
 from companion.frames import clamped
@@ -58,12 +58,12 @@ def safety_inputs(
         tilt=state.tilt,
         tilt_error=0.0 if steered is None else math.acos(clamped(steered.command.aligned, -1.0, 1.0)),
         rate_error=math.dist(asked.rates_b, state.w_b) if isinstance(asked, RateSetpoint) else None,
-        turning=turning,
+        body_rate=turning,
         still=turning < STILL and math.hypot(*state.v_n) < STILL,
         saturated=steered is not None and steered.saturated,
         thrust_share=0.0 if steered is None or not follows else steered.thrust_share,
         sinking=state.v_n[2],
-        link_delay=observation.link_delay,
+        round_trip=observation.round_trip,
         needs=NEEDS[plan.level],
         jump=watch.jump,
         flagged=watch.flagged,
@@ -76,14 +76,14 @@ def safety_inputs(
         rate=observation.rate,
         gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
         companions=observation.companions,
-        turning_max=_turning_max(plan),
+        body_rate_max=_body_rate_max(plan),
         specific_thrust_commanded=response.commanded if follows and is_thrust_judged(plan, memory) else 0.0,
         specific_thrust_made=response.made,
         rotor_left=1.0 if steered is None else steered.rotor_left,
     )
 
 
-def _turning_max(plan: Plan) -> float | None:
+def _body_rate_max(plan: Plan) -> float | None:
     """rad/s that the vehicle may turn at most, where its own rate loop does not see to that."""
     limits = plan.vehicle.limits
     if limits is None or not plan.level.without_rate_loop:
@@ -96,7 +96,7 @@ def follows_commands(status: VehicleStatus, now: float) -> bool:
     mode, intended = status.mode, status.intended  # only CURRENT_MODE says what is intended
     if mode is None or intended is None:
         return False
-    return mode.known(now) is Mode.OFFBOARD and now - intended.at < FOLLOWS_FOR
+    return mode.value_at(now) is Mode.OFFBOARD and now - intended.at < FOLLOWS_FOR
 
 
 def is_thrust_judged(plan: Plan, memory: Memory) -> bool:
@@ -162,11 +162,11 @@ def missing_now(plan: Plan, memory: Memory, observation: Observation, status: Kn
     conduct = plan.conduct
     return preflight.missing(preflight.PreflightInputs(
         status, conduct.authority, conduct.finish, conduct.limits, memory.state is not None,
-        preflight.RATE_WANTED if conduct.at_once and observation.rate is None else observation.rate,
+        RATE_WANTED if conduct.at_once and observation.rate is None else observation.rate,
         observation.companions,
         None if memory.state_at is None else now - memory.state_at,
         1.0 if conduct.at_once else observation.clock_rate,
-        observation.link_delay,
+        observation.round_trip,
         NEEDS[plan.level],
     ))  # fmt: skip
 

@@ -30,7 +30,7 @@ class Observation(NamedTuple):
     status: VehicleStatus  # what the vehicle says of itself, each fact with its age
     answer: Answer | None = None  # to a request, or None
     stop: bool = False  # the user wants the vehicle handed back
-    link_delay: float | None = None  # s, of a message; None until measured
+    round_trip: float | None = None  # s, of a message; None until measured
     rate: float | None = None  # Hz of states; None until measured
     behind: int = 0  # states that came together with this one and were passed over
     companions: int = 0  # others that speak on the link

@@ -166,7 +166,7 @@ def smooth_start(since: float, T: float) -> SpeedScale:
 
 def turning(plan: Plan, state: VehicleState) -> Vec3:
     """What levels the vehicle, by what is sent: rates (rad/s), a rotation (rad), torques (N m or shares)."""
-    setpoint = plan.steering.level(state)
+    setpoint = plan.steering.level_setpoint(state)
     if isinstance(setpoint, RateSetpoint):
         return setpoint.rates_b
     if isinstance(setpoint, AttitudeSetpoint):
@@ -183,7 +183,7 @@ def turning(plan: Plan, state: VehicleState) -> Vec3:
 def neutral(plan: Plan, state: VehicleState, grounded: bool) -> Setpoint:
     """What is streamed while the pilot flies: the present attitude kept, without turning, at the thrust of a hover;
     none on the ground."""
-    level = plan.steering.level(state)
+    level = plan.steering.level_setpoint(state)
     if isinstance(level, MotorSetpoint):
         return MotorSetpoint((0.0,) * len(level.commands)) if grounded else level
     thrust = 0.0 if grounded else level.thrust

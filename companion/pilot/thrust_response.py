@@ -65,7 +65,7 @@ def update_thrust_response(
     kept = scale if begins or not judged else response.scale + dt / (SCALE_TIME + dt) * (scale - response.scale)
     ax, ay = (a - u) / dt + drag * a - air[0], (b - v) / dt + drag * b - air[1]
     made = -(ax * x + ay * y + ((c - w) / dt - gravity) * z)
-    commanded = steered.thrust_n / mass * kept / scale
+    commanded = steered.thrust / mass * kept / scale
     if begins:
         return ThrustResponse(made, commanded, commanded, dt, air, kept)
     k, later = dt / (TIME + dt), dt / (ACTUATION + delay + dt)

@@ -132,10 +132,10 @@ def supervise(
         state = observation.state
         memory = memory._replace(
             path=_update_progress(plan, memory, state),
-            watch=_compare_state(plan, memory, state, observation.link_delay or 0.0),
+            watch=_compare_state(plan, memory, state, observation.round_trip or 0.0),
         )
         memory = trim_aim(plan, memory)
-    status = observation.status.known(now)
+    status = observation.status.known_at(now)
     breaches, verdict = safety.update_breaches(
         memory.breaches, safety_inputs(plan, memory, observation, status, now), plan.conduct.limits, now
     )
@@ -201,7 +201,7 @@ def _command(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Comma
         watch, at = memory.watch, memory.state_at
         stands = watch.same_attitude or watch.attitude_stands
         usable = at is not None and now - at <= STATE_AGE_MAX and not stands
-        command = Commanded(plan.steering.level(memory.state if usable else None, memory.steering.memory))
+        command = Commanded(plan.steering.level_setpoint(memory.state if usable else None, memory.steering.memory))
     return memory, command
 
 
@@ -243,7 +243,7 @@ def _steer(plan: Plan, memory: Memory, observation: Observation) -> LawOutput:
     if scale != last.scale:
         memory = memory._replace(steering=last._replace(scale=scale))
     aim, ramp = choose_aim(plan, memory)
-    steered = plan.steering.steer(steering, state, dt, aim, observation.link_delay)
+    steered = plan.steering.steer(steering, state, dt, aim, observation.round_trip)
     end_scale = steered.command.end_scale
     return LawOutput(steered, ramp if end_scale == 1.0 else ramp._replace(value=ramp.value * end_scale), scale)
 

@@ -65,9 +65,9 @@ class Source:
 class Recorder:
     """Writes a flight folder while the flight goes on. ``epoch``: s since 1970 when our clock read zero.
 
-    ``frame``, ``begin``, ``tick`` and ``note`` take what is to be kept, never wait and never fail. ``flush`` writes it,
-    in another thread where there is a clock to keep. Nothing here raises in flight: ``words`` has what a person should
-    be told. ConfigError: the folder cannot be one.
+    ``add_frame``, ``begin``, ``add_tick`` and ``note`` take what is to be kept, never wait and never fail. ``flush``
+    writes it, in another thread where there is a clock to keep. Nothing here raises in flight: ``words`` has what a
+    person should be told. ConfigError: the folder cannot be one.
     """
 
     directory: Path
@@ -116,14 +116,14 @@ class Recorder:
         """The simulated world as resolved.json tells it; None where a vehicle flew."""
         return None if self.simulated is None else simulation_document(self.simulated)
 
-    def frame(self, now: float, raw: bytes) -> None:
+    def add_frame(self, now: float, raw: bytes) -> None:
         """One frame, either direction."""
-        self._tlog.frame(now, raw)
+        self._tlog.add_frame(now, raw)
 
-    def datagram(self, now: float, to_px4: bool, data: bytes) -> None:
+    def add_datagram(self, now: float, to_px4: bool, data: bytes) -> None:
         """One datagram of PX4's XRCE client, or one to it."""
         self._xrce = self._xrce or XrceWriter(self.directory, self.epoch)
-        self._xrce.datagram(now, to_px4, data)
+        self._xrce.add_datagram(now, to_px4, data)
 
     def note(self, now: float, line: str) -> None:
         """One line that was said."""
@@ -135,12 +135,12 @@ class Recorder:
         self._resolution = resolution(plan, self.mission.name, self.vehicle.name, now, self.epoch, self.simulation)
         self._resolved = json.dumps(self._resolution, indent=2) + "\n"
 
-    def retuned(self, changed: dict[str, float], now: float) -> None:
+    def add_settings(self, changed: dict[str, float], now: float) -> None:
         """Settings of the plan were changed, for the ticks from ``now`` on."""
         self._resolution["settings"].append({"at": now, "set": changed})
         self._resolved = json.dumps(self._resolution, indent=2) + "\n"
 
-    def tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
+    def add_tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
         """One tick of the pilot."""
         if self._table is None:
             return

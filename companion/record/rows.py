@@ -173,7 +173,7 @@ def observation_row(observation: Observation, now: float) -> Row:
         NONE if answer is None else _index(answer.request),
         NONE if answer is None else _index(answer.reply),
         int(observation.stop),
-        _number(observation.link_delay),
+        _number(observation.round_trip),
         _number(observation.rate),
         observation.behind,
         observation.companions,
@@ -219,7 +219,7 @@ def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, 
         *(
             (math.nan,) * 3 + (0,)
             if steered is None
-            else (steered.zeta, steered.zeta_dot, steered.thrust_n, int(steered.saturated))
+            else (steered.zeta, steered.zeta_dot, steered.thrust, int(steered.saturated))
         ),
         outcome.ramp.value,
         *((math.nan,) * 3 if progress is None else (progress.s, progress.travelled, progress.path_error)),

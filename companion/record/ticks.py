@@ -15,19 +15,19 @@ from companion.record.table import RowPacker, Table
 class TickRecorder(Protocol):
     """What a conductor tells of a flight; see ``folder.Recorder``."""
 
-    def frame(self, now: float, raw: bytes) -> None:
+    def add_frame(self, now: float, raw: bytes) -> None:
         """One frame, either direction."""
 
-    def datagram(self, now: float, to_px4: bool, data: bytes) -> None:
+    def add_datagram(self, now: float, to_px4: bool, data: bytes) -> None:
         """One datagram of PX4's XRCE client, or one to it."""
 
     def begin(self, plan: Plan, now: float) -> None:
         """The plan is ready and the pilot begins."""
 
-    def retuned(self, changed: dict[str, float], now: float) -> None:
+    def add_settings(self, changed: dict[str, float], now: float) -> None:
         """Gains or limits were set from outside."""
 
-    def tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
+    def add_tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
         """One tick of the pilot."""
 
 
@@ -39,19 +39,19 @@ class Ticks:
     def __init__(self) -> None:
         self._rows: list[bytes] = []
 
-    def frame(self, now: float, raw: bytes) -> None:
+    def add_frame(self, now: float, raw: bytes) -> None:
         """Nothing is kept."""
 
-    def datagram(self, now: float, to_px4: bool, data: bytes) -> None:
+    def add_datagram(self, now: float, to_px4: bool, data: bytes) -> None:
         """See TickRecorder: not kept."""
 
     def begin(self, plan: Plan, now: float) -> None:
         """Nothing is kept."""
 
-    def retuned(self, changed: dict[str, float], now: float) -> None:
+    def add_settings(self, changed: dict[str, float], now: float) -> None:
         """Nothing is kept."""
 
-    def tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
+    def add_tick(self, seen: Observation, memory: Memory, outcome: Outcome, now: float, latency: float) -> None:
         """One tick of the pilot."""
         self._rows.append(self._packer.pack(rows.row(seen, memory, outcome, now, latency)))
 

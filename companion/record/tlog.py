@@ -24,7 +24,7 @@ class TlogWriter(GrowingFile):
         super().__init__(path, FRAMES_WAITING)
         self._epoch = epoch
 
-    def frame(self, now: float, raw: bytes) -> None:
+    def add_frame(self, now: float, raw: bytes) -> None:
         """Take one frame that came or went at ``now``."""
         self.append(_STAMP.pack(round((self._epoch + now) * 1e6)) + raw)
 

@@ -43,7 +43,7 @@ class XrceWriter(GrowingFile):
         super().__init__(directory / NAME, DATAGRAMS_WAITING)
         self._epoch = epoch
 
-    def datagram(self, now: float, to_px4: bool, data: bytes) -> None:
+    def add_datagram(self, now: float, to_px4: bool, data: bytes) -> None:
         """Take one that came or went at ``now``."""
         self.append(_HEAD.pack(round((self._epoch + now) * 1e6), to_px4, len(data)) + data)
 

@@ -35,7 +35,7 @@ class Encoding(Protocol):
     def setpoint(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> Setpoint:
         """The setpoint that asks for these rates (rad/s) of a vehicle whose attitude will be ``q_nb``."""
 
-    def level(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> Setpoint:
+    def level_setpoint(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> Setpoint:
         """The setpoint that levels a vehicle of attitude ``q_nb``; ``rates_b`` would do it."""
 
 
@@ -50,7 +50,7 @@ class AsRates:
         """See Encoding."""
         return RateSetpoint(rates_b, thrust)
 
-    def level(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> RateSetpoint:
+    def level_setpoint(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> RateSetpoint:
         """See Encoding."""
         return RateSetpoint(rates_b, thrust)
 
@@ -84,7 +84,7 @@ class AsAttitude:
         error = (w * ct, x * ct + y * st, y * ct - x * st, w * st)
         return AttitudeSetpoint(normalised(multiply(q_nb, error)), thrust)
 
-    def level(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> AttitudeSetpoint:
+    def level_setpoint(self, rates_b: Vec3, thrust: float, q_nb: Quaternion) -> AttitudeSetpoint:
         """See Encoding: the heading alone."""
         w, _, _, z = q_nb
         return AttitudeSetpoint(normalised((w, 0.0, 0.0, z)) if w * w + z * z > 1e-6 else (1.0, 0.0, 0.0, 0.0), thrust)

@@ -22,9 +22,9 @@ from typing import NamedTuple
 
 from companion.allocation import Allocated, Allocation
 from companion.estimation.body_model import Body, TimedWrench
+from companion.estimation.dead_time import update_dead_time
 from companion.estimation.estimator import Prior
 from companion.estimation.learned import Learned
-from companion.estimation.link_delay import update_delay
 from companion.estimation.motor_estimate import (
     MotorEstimate,
     advance_motor_estimate,
@@ -123,13 +123,13 @@ class MotorSteering:
 
     def begin(self, state: VehicleState) -> MotorMemory:
         """zeta = m g, zeta_dot = 0 (the paper's section V)."""
-        return self._begun(begin_motor_estimate(state, self.prior, self.body, self.vehicle.gravity))
+        return self._begin_at(begin_motor_estimate(state, self.prior, self.body, self.vehicle.gravity))
 
     def steer(
-        self, memory: MotorMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+        self, memory: MotorMemory, state: VehicleState, dt: float, aim: Aim, round_trip: float | None = None
     ) -> Steered:
         """See Steering: the block diagram above."""
-        memory = self._estimate(self.learn(memory), state, dt, link_delay)
+        memory = self._estimate(self.learn(memory), state, dt, round_trip)
         assert memory.delay is not None
         timing = Timing(memory.delay, 0.5 * dt, self.vehicle.motor_lag, 0.0)
         forces = self._forces(memory.estimate)
@@ -140,20 +140,20 @@ class MotorSteering:
         command = ask(self.law, self.hold, _flying(predicted, extension, forces, aim), aim)
         torque = self._torque(memory, command, predicted.w_b, timing)
         allocated = self.allocation.allocate((extension.zeta / forces.thrust_scale, *torque))
-        return self._steered(memory, governor, aim, command, extension, allocated, forces, capability, timing, dt)
+        return self._conclude(memory, governor, aim, command, extension, allocated, forces, capability, timing, dt)
 
     def learn(self, memory: MotorMemory) -> MotorMemory:
         """See Steering."""
         estimate = learn_motor_estimate(memory.estimate)
         return memory if estimate is memory.estimate else memory._replace(estimate=estimate)
 
-    def level(self, state: VehicleState | None, memory: MotorMemory | None = None) -> MotorSetpoint:
+    def level_setpoint(self, state: VehicleState | None, memory: MotorMemory | None = None) -> MotorSetpoint:
         """Hover thrust, and from a fresh state the torques that turn the thrust axis up and stop the turning."""
         torque = (0.0, 0.0, 0.0) if state is None else self._levelling_torque(state)
         scale = 1.0 if memory is None else self._forces(memory.estimate).thrust_scale
         return MotorSetpoint(self.allocation.allocate((self.vehicle.weight / scale, *torque)).commands)
 
-    def learned(self, memory: MotorMemory) -> Learned | None:
+    def learned_values(self, memory: MotorMemory) -> Learned | None:
         """What this flight found out of its vehicle; None if it was too short or not settled, or nothing is."""
         if not self._observes:
             return None
@@ -164,18 +164,18 @@ class MotorSteering:
     def _observes(self) -> bool:
         return self.vehicle.limits is not None
 
-    def _begun(self, estimate: MotorEstimate) -> MotorMemory:
+    def _begin_at(self, estimate: MotorEstimate) -> MotorMemory:
         weight = self.vehicle.weight
         first = TimedWrench(-math.inf, estimate.body_state.acting)
         return MotorMemory(estimate, (first,), Extension(weight))
 
-    def _estimate(self, memory: MotorMemory, state: VehicleState, dt: float, link_delay: float | None) -> MotorMemory:
+    def _estimate(self, memory: MotorMemory, state: VehicleState, dt: float, round_trip: float | None) -> MotorMemory:
         """Estimate: begun again after a gap and while setpoints are not flown."""
         # no step of a rate loop stands between the link and the motors
-        delay = update_delay(memory.delay, link_delay, self.vehicle.link_delay, dt, 0.0)
+        delay = update_dead_time(memory.delay, round_trip, self.vehicle.dead_time, dt, 0.0)
         gap = state.t_boot - memory.estimate.motion.state.t_boot
         if begins_anew(gap, dt):
-            return self._begun(restart_motor_estimate(memory.estimate, self.body, state))._replace(delay=delay)
+            return self._begin_at(restart_motor_estimate(memory.estimate, self.body, state))._replace(delay=delay)
         if gap <= 0.0:
             return memory._replace(delay=delay)
         if self._observes:
@@ -220,7 +220,7 @@ class MotorSteering:
             l2 + ratio * (u2 - jx * tp - l2), l3 + ratio * (u3 - jy * tq - l3), l4 + ratio * (u4 - jz * tr - l4)
         )  # fmt: skip
 
-    def _steered(
+    def _conclude(
         self, memory: MotorMemory, governor: SpeedScale, aim: Aim, command: Command, extension: Extension,
         allocated: Allocated, forces: ForceModel, capability: Capability, timing: Timing, dt: float,
     ) -> Steered:  # fmt: skip
@@ -249,7 +249,7 @@ class MotorSteering:
             command=command,
             zeta=later,
             zeta_dot=later_dot,
-            thrust_n=scale * sent[0] if allocated.saturated else extension.zeta,
+            thrust=scale * sent[0] if allocated.saturated else extension.zeta,
             saturated=bound or allocated.saturated,
             thrust_share=share,
             converged=estimate.motion.estimator.converged or not self._observes,

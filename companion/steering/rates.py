@@ -21,9 +21,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from companion.estimation.dead_time import update_dead_time
 from companion.estimation.estimator import Prior
 from companion.estimation.learned import Learned
-from companion.estimation.link_delay import update_delay
 from companion.estimation.predictor import PredictedState
 from companion.estimation.rate_loop_model import RateLoop, TimedCommand, recent_commands
 from companion.estimation.vehicle_estimate import (
@@ -116,13 +116,13 @@ class RateSteering:
     def begin(self, state: VehicleState) -> RateMemory:
         """Hovering, as far as anybody knows."""
         estimate = begin_estimate(state, self.prior, self.vehicle.gravity, self.rate_loop, self.lag)
-        return self._begun(estimate)
+        return self._begin_at(estimate)
 
     def steer(
-        self, memory: RateMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+        self, memory: RateMemory, state: VehicleState, dt: float, aim: Aim, round_trip: float | None = None
     ) -> Steered:
         """See Steering: the block diagram above."""
-        memory = self._estimate(self.learn(memory), state, dt, link_delay)
+        memory = self._estimate(self.learn(memory), state, dt, round_trip)
         timing = self._timing(memory, dt)
         predicted = predict_vehicle(memory.estimate, memory.commands, timing.horizon)
         capability = self._capability(memory.estimate)
@@ -148,7 +148,7 @@ class RateSteering:
             limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
             moving=is_to_move(command, aim),
         )
-        return self._steered(memory, setpoint, command, thrust, timing, saturated=limited)
+        return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited)
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
@@ -163,7 +163,7 @@ class RateSteering:
             yaw = update_derivative(yaw, derivative, pending.dt)
         return memory._replace(estimate=learn_pending(memory.estimate, memory.commands), yaw=yaw)
 
-    def level(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
+    def level_setpoint(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
         """See Steering."""
         thrust, q_nb = self.hover_thrust, UPRIGHT
         if memory is not None:
@@ -173,25 +173,25 @@ class RateSteering:
         if state is not None:
             q_nb = state.q_nb
         rates = (0.0, 0.0, 0.0) if state is None else levelling_rates(state.r_nb)
-        return self.encoding.level(rates, clamp_thrust(thrust), q_nb)
+        return self.encoding.level_setpoint(rates, clamp_thrust(thrust), q_nb)
 
-    def learned(self, memory: RateMemory) -> Learned | None:
+    def learned_values(self, memory: RateMemory) -> Learned | None:
         """What this flight found out of its vehicle; None if it was too short or not settled."""
         lag = memory.estimate.identification.lag - self.encoding.smoothing
         found = learned_of(memory.estimate.motion, self.hover_thrust, lag)
         return None if found is None else found._replace(yaw_lag=memory.estimate.yaw_loop.lag)
 
-    def _begun(self, estimate: VehicleEstimate) -> RateMemory:
+    def _begin_at(self, estimate: VehicleEstimate) -> RateMemory:
         state, hovering = estimate.motion.state, estimate.rate_loop_state.specific_thrust
         first = TimedCommand(-math.inf, state.w_b, hovering)
         return RateMemory(estimate, (first,), self.vehicle.weight / max(state.r_nb[8], 0.5))
 
-    def _estimate(self, memory: RateMemory, state: VehicleState, dt: float, link_delay: float | None) -> RateMemory:
+    def _estimate(self, memory: RateMemory, state: VehicleState, dt: float, round_trip: float | None) -> RateMemory:
         """Estimate: begun again after a gap and while setpoints are not flown."""
-        delay = update_delay(memory.delay, link_delay, self.vehicle.link_delay, dt)
+        delay = update_dead_time(memory.delay, round_trip, self.vehicle.dead_time, dt)
         gap = state.t_boot - memory.estimate.motion.state.t_boot
         if begins_anew(gap, dt):
-            return self._begun(restart_estimate(memory.estimate, state))._replace(delay=delay, poles=memory.poles)
+            return self._begin_at(restart_estimate(memory.estimate, state))._replace(delay=delay, poles=memory.poles)
         if gap <= 0.0:
             return memory._replace(delay=delay)
         estimate = advance_estimate(memory.estimate, memory.commands, state, memory.limited, memory.moving)
@@ -264,7 +264,7 @@ class RateSteering:
             q_nb = predict_vehicle(memory.estimate, memory.commands, timing.attitude).q_nb
         return self.encoding.setpoint(rates.sent, thrust.sent, q_nb)
 
-    def _steered(
+    def _conclude(
         self, memory: RateMemory, setpoint: Setpoint, command: Command, thrust: LimitedThrust, timing: Timing, *,
         saturated: bool,
     ) -> Steered:  # fmt: skip
@@ -276,7 +276,7 @@ class RateSteering:
             command=command,
             zeta=thrust.zeta,
             zeta_dot=thrust.zeta_dot,
-            thrust_n=thrust.newtons,
+            thrust=thrust.newtons,
             saturated=saturated,
             thrust_share=thrust.sent,
             converged=estimate.motion.estimator.converged,

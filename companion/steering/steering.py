@@ -39,7 +39,7 @@ class Estimates(NamedTuple):
     drag: float  # 1/s
     disturbance: Vec3  # m/s^2, world
     velocity_bias: Vec3  # m/s, reported velocity over the derivative of the reported position
-    link_delay: float  # s
+    dead_time: float  # s
     rate_lag: float  # s
     yaw_lag: float = math.nan  # s
     path_pole: float = math.nan  # 1/s, of h1 and h2, where it was chosen and not written
@@ -53,7 +53,7 @@ class Steered(NamedTuple):
     command: Command  # what the law asked for
     zeta: float  # N, the dynamic extension (Eq. 4)
     zeta_dot: float  # N/s
-    thrust_n: float  # N, the collective thrust that was sent
+    thrust: float  # N, the collective thrust that was sent
     saturated: bool  # whether a limit was met
     thrust_share: float = 0.0  # of the largest thrust
     converged: bool = True  # whether the thrust scale is known well enough to follow a path
@@ -69,21 +69,21 @@ class Steering(Protocol):
         """The memory when taking over from a flight without hurry, at ``state``."""
 
     def steer(
-        self, memory: SteeringMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+        self, memory: SteeringMemory, state: VehicleState, dt: float, aim: Aim, round_trip: float | None = None
     ) -> Steered:
         """The setpoint for ``state``. Raises LawError.
 
         ``dt``: s since the last step; 0 while setpoints are sent but not flown: then the thrust the law integrates and
-        the estimates stand still. ``link_delay``: s, there and back, as measured; None where it is not known.
+        the estimates stand still. ``round_trip``: s, there and back, as measured; None where it is not known.
         """
 
     def learn(self, memory: SteeringMemory) -> SteeringMemory:
         """What the last step's state teaches of the vehicle, taken in. It does not feed that step's setpoint, so it is
         best done when that is on its way; the next step does it where it was not."""
 
-    def level(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> Setpoint:
+    def level_setpoint(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> Setpoint:
         """A setpoint that levels and hovers: from a fresh state, or from none (then it asks for no turning).
         ``memory``: of the flight so far, if there was one."""
 
-    def learned(self, memory: SteeringMemory) -> Learned | None:
+    def learned_values(self, memory: SteeringMemory) -> Learned | None:
         """What the flight found out of its vehicle, for the next one; None if that is nothing."""

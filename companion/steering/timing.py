@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from companion.estimation.link_delay import PX4_STEP
+from companion.estimation.dead_time import PX4_STEP
 from companion.estimation.rate_loop_model import thrust_transition
 
 

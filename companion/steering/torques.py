@@ -27,23 +27,23 @@ class TorqueSteering:
         return self.motors.begin(state)
 
     def steer(
-        self, memory: SteeringMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+        self, memory: SteeringMemory, state: VehicleState, dt: float, aim: Aim, round_trip: float | None = None
     ) -> Steered:
         """See Steering."""
-        steered = self.motors.steer(memory, state, dt, aim, link_delay)
+        steered = self.motors.steer(memory, state, dt, aim, round_trip)
         return steered._replace(setpoint=self._torque_setpoint(steered.setpoint))
 
     def learn(self, memory: SteeringMemory) -> SteeringMemory:
         """See Steering."""
         return self.motors.learn(memory)
 
-    def level(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> TorqueSetpoint:
+    def level_setpoint(self, state: VehicleState | None, memory: SteeringMemory | None = None) -> TorqueSetpoint:
         """See Steering."""
-        return self._torque_setpoint(self.motors.level(state, memory))
+        return self._torque_setpoint(self.motors.level_setpoint(state, memory))
 
-    def learned(self, memory: SteeringMemory) -> Learned | None:
+    def learned_values(self, memory: SteeringMemory) -> Learned | None:
         """See Steering."""
-        return self.motors.learned(memory)
+        return self.motors.learned_values(memory)
 
     def _torque_setpoint(self, setpoint: Setpoint) -> TorqueSetpoint:
         assert isinstance(setpoint, MotorSetpoint)

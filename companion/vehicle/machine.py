@@ -83,7 +83,7 @@ class Vehicle:
     drag: float = 0.0  # 1/s, linear, over mass
     hover_thrust: float | None = None  # normalised; None: to be learned
     rate_loop_lag: float = 0.06  # s
-    link_delay: float = 0.01  # s, from a state to the moment its command acts
+    dead_time: float = 0.01  # s, from a state to the moment its command acts
     motors: MotorInterface = MotorInterface.PX4  # who mixes
     state_rate: float = 250.0  # Hz, how often it can stream its state
     limits: Limits | None = field(default_factory=Limits)  # None where the bare mathematics is wanted

@@ -114,7 +114,7 @@ class Fact(NamedTuple, Generic[T]):
     at: float
     lasts: float
 
-    def known(self, now: float) -> T | None:
+    def value_at(self, now: float) -> T | None:
         """The value; None where it is older than it lasts."""
         return self.value if now - self.at <= self.lasts else None
 
@@ -153,18 +153,18 @@ class VehicleStatus(NamedTuple):
     estimator: Fact[int] | None = None
     was_armed: bool = False
 
-    def known(self, now: float) -> KnownStatus:
+    def known_at(self, now: float) -> KnownStatus:
         """What is known at ``now``, s by our clock."""
         armed, mode, intended, landed, ready, failsafe, battery, estimator, was_armed = self
         return KnownStatus(
-            None if armed is None else armed.known(now),
-            None if mode is None else mode.known(now),
-            None if intended is None else intended.known(now),
-            None if landed is None else landed.known(now),
-            None if ready is None else ready.known(now),
-            None if failsafe is None else failsafe.known(now),
-            None if battery is None else battery.known(now),
-            None if estimator is None else estimator.known(now),
+            None if armed is None else armed.value_at(now),
+            None if mode is None else mode.value_at(now),
+            None if intended is None else intended.value_at(now),
+            None if landed is None else landed.value_at(now),
+            None if ready is None else ready.value_at(now),
+            None if failsafe is None else failsafe.value_at(now),
+            None if battery is None else battery.value_at(now),
+            None if estimator is None else estimator.value_at(now),
             math.inf if mode is None else now - mode.at,
             was_armed,
         )
@@ -172,7 +172,7 @@ class VehicleStatus(NamedTuple):
     @property
     def last(self) -> KnownStatus:
         """What it last said, however long ago: for people to read, never to decide on."""
-        return self.known(-math.inf)._replace(mode_age=0.0)
+        return self.known_at(-math.inf)._replace(mode_age=0.0)
 
 
 class Tuning(NamedTuple):

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from companion.daemon.address import opened
-from companion.daemon.beside import Beside, XrceLink, parsed
+from companion.daemon.address import open_port
+from companion.daemon.beside import Beside, XrceLink, parse_xrce_address
 from companion.daemon.port import AddressError
 from companion.mavlink.peer import Received, Source
 from companion.vehicle import MotorSetpoint, OutputLevel
@@ -43,8 +43,8 @@ def in_offboard(small: SmallClient) -> None:
 def test_motors_are_read_again_right_after_its_socket_was_closed_and_opened() -> None:
     """Within 50 ms: the session, its readers and its numbers are the daemon's, and not the socket's."""
     commands, small = Commands(OutputLevel.MOTORS), client()
-    port = opened("udpin://127.0.0.1:0".replace(":0", f":{free_port()}"))
-    link = opened(f"udpin://127.0.0.1:{free_port()}")
+    port = open_port("udpin://127.0.0.1:0".replace(":0", f":{free_port()}"))
+    link = open_port(f"udpin://127.0.0.1:{free_port()}")
     here = XrceLink(port, commands)
     beside = Beside(link, here, time.monotonic)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as px4:
@@ -67,7 +67,7 @@ def test_motors_are_read_again_right_after_its_socket_was_closed_and_opened() ->
         port.close()
         here.flush(time.monotonic())  # lost
         closed = time.monotonic()
-        here.port = opened(f"udpin://127.0.0.1:{port.local[1]}")  # type: ignore[attr-defined]
+        here.port = open_port(f"udpin://127.0.0.1:{port.local[1]}")  # type: ignore[attr-defined]
         assert commands.send(MOTORS, 1.1, time.monotonic(), True)
         here.flush(time.monotonic())
         while not small.read:
@@ -129,7 +129,7 @@ class Datagrams:
 def test_a_serial_line_carries_the_same() -> None:
     ours, theirs = pty.openpty()
     commands, small = Commands(OutputLevel.MOTORS), client()
-    here = XrceLink(opened(f"serial://{os.ttyname(theirs)}:921600"), commands)
+    here = XrceLink(open_port(f"serial://{os.ttyname(theirs)}:921600"), commands)
     os.set_blocking(ours, False)
     deframer = Deframer(CLIENT)
     begun = time.monotonic()
@@ -158,11 +158,11 @@ def test_an_agent_that_has_the_port_is_named_with_what_to_do() -> None:
         taken.bind(("127.0.0.1", 0))
         url = f"udp://127.0.0.1:{taken.getsockname()[1]}"
         with pytest.raises(AddressError, match="in use; where MicroXRCEAgent has it, end that"):
-            parsed(url)()
+            parse_xrce_address(url)()
     with pytest.raises(AddressError, match="expected udp://HOST:PORT or serial:///dev/NAME:BAUD"):
-        parsed("udpin://127.0.0.1:8888")
+        parse_xrce_address("udpin://127.0.0.1:8888")
     with pytest.raises(AddressError, match=r"^'udp://:88' names no host and port; expected udp://HOST:PORT or serial"):
-        parsed("udp://:88")
+        parse_xrce_address("udp://:88")
 
 
 def test_motors_over_xrce_are_refused_until_their_price_is_accepted(tmp_path: Path) -> None:

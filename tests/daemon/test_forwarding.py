@@ -29,7 +29,7 @@ from companion.daemon.forwarding import (
     Endpoint,
     Forwarder,
     message_of,
-    parsed_endpoint,
+    parse_endpoint,
 )
 from companion.daemon.port import AddressError
 from companion.mavlink.codec import Decoder, Encoder
@@ -180,7 +180,7 @@ def test_a_conductor_relays_what_comes_and_what_goes() -> None:
     ],
 )
 def test_endpoints_beyond_this_computer_only_look_unless_told(url: str, endpoint: Endpoint) -> None:
-    assert parsed_endpoint(url) == endpoint
+    assert parse_endpoint(url) == endpoint
 
 
 @pytest.mark.parametrize(
@@ -191,7 +191,7 @@ def test_endpoints_beyond_this_computer_only_look_unless_told(url: str, endpoint
 )  # fmt: skip
 def test_what_is_no_endpoint_is_answered_in_one_line(url: str) -> None:
     with pytest.raises(AddressError) as error:
-        parsed_endpoint(url)
+        parse_endpoint(url)
     assert "expected" in str(error.value) and "\n" not in str(error.value)
 
 
@@ -203,7 +203,7 @@ def test_the_fault_is_the_option_s_own() -> None:
 @pytest.mark.parametrize("host", ["a..b", "x" * 70, "a\0b"])
 def test_a_host_that_none_can_be_called_is_not_known(host: str) -> None:
     with pytest.raises(AddressError, match="is not known"):
-        parsed_endpoint(f"udpout://{host}:1")
+        parse_endpoint(f"udpout://{host}:1")
 
 
 @pytest.mark.xdist_group("real time")

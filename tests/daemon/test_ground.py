@@ -210,14 +210,14 @@ def test_what_is_told_as_set_is_set() -> None:
         ground.report(plan, begin(0.0)._replace(phase=phase), quiet, False, 0.0)
         wanted = {"param_id": name, "param_value": value, "param_type": 9}
         ground.receive(frame("PARAM_SET", target_system=1, target_component=191, **wanted), 1, 0.0, of_vehicle=False)
-        return ground.retuned(plan, 0.0, None)
+        return ground.apply_settings(plan, 0.0, None)
 
     assert plan.path_pole is not None
     assert after_a_tick_in(Phase.STAND_BY, "PF_TUBE", 3.0).path_pole == plan.path_pole
     assert after_a_tick_in(Phase.SETTLE, "PF_POLE_PATH", 3.0) is plan
     assert "PF_POLE_PATH stays 6: it can be set only while" in notes[-1]
     assert after_a_tick_in(Phase.STAND_BY, "PF_POLE_PATH", 3.0).path_pole is None
-    assert ground.retuned(plan, 0.0, None) is plan
+    assert ground.apply_settings(plan, 0.0, None) is plan
 
 
 def test_the_curve_is_drawn_on_the_map() -> None:

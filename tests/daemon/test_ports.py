@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.daemon.address import UdpPort, is_exposed, opened, parsed
+from companion.daemon.address import UdpPort, is_exposed, open_port, parse_address
 from companion.daemon.port import AddressError
 from companion.daemon.serial import SerialPort
 from companion.mavlink.codec import Decoder, Encoder
@@ -47,7 +47,7 @@ HEARTBEAT, ATTITUDE, ODOMETRY = message("HEARTBEAT"), message("ATTITUDE"), messa
 )
 def test_what_is_no_address_is_said_in_one_sentence(url: str, said: str) -> None:
     with pytest.raises(AddressError) as caught:
-        parsed(url)
+        parse_address(url)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -56,11 +56,11 @@ def test_a_port_that_is_taken_and_a_device_that_is_none() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
         with pytest.raises(AddressError, match="already in use; does another companion or a ground station listen"):
-            opened(f"udpin://127.0.0.1:{taken.getsockname()[1]}")
+            open_port(f"udpin://127.0.0.1:{taken.getsockname()[1]}")
     with pytest.raises(AddressError, match="cannot be opened: No such file or directory; "):
-        opened("serial:///dev/no-such-line:57600")
+        open_port("serial:///dev/no-such-line:57600")
     with pytest.raises(AddressError, match="/dev/null is not a serial line"):
-        opened("serial:///dev/null:57600")
+        open_port("serial:///dev/null:57600")
 
 
 def test_a_serial_line_in_use_says_by_whom_and_the_command_ends_with_2(tmp_path: Path) -> None:

@@ -144,18 +144,18 @@ def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: Noise
     """The textbook's filter in matrices, in Joseph's form: all six measurements at once; while kappa and c are frozen
     one by one, each for its own axis alone."""
     x, P = np.array(belief.x), dense(belief)
-    kappa, c = x[THRUST_SCALE], x[DRAG]
+    scale, c = x[THRUST_SCALE], x[DRAG]
     T, new, Q, H = np.eye(SIZE), x.copy(), np.zeros(SIZE), np.zeros((6, SIZE))
     for i in range(3):
         p, v, u, b, d, w, e = range(PER_AXIS * i, PER_AXIS * (i + 1))
         across = (-F[1], F[0], 0.0)[i]
         f = F[i] - x[e] * across
-        a = (G if i == 2 else 0.0) - kappa * f - c * x[v] + x[d] + x[w]
+        a = (G if i == 2 else 0.0) - scale * f - c * x[v] + x[d] + x[w]
         new[p] = x[p] + dt * (x[v] + x[u]) + 0.5 * dt * dt * a
         new[v] = x[v] + dt * a
         T[p, [v, u]] = dt
         T[v, [v, d, w, THRUST_SCALE, DRAG]] = 1.0 - c * dt, dt, dt, -f * dt, -x[v] * dt
-        T[v, e] = kappa * across * dt
+        T[v, e] = scale * across * dt
         times = (
             kalman_step.WANDER_TIME,
             kalman_step.VELOCITY_ERROR_TIME,
@@ -194,7 +194,7 @@ def joseph(P: np.ndarray, K: np.ndarray, H: np.ndarray, R: np.ndarray) -> np.nda
 
 
 def axes_apart(P: np.ndarray) -> None:
-    """Let the axes have nothing in common but what they have with kappa and c."""
+    """Let the axes have nothing in common but what they have with k and c."""
     common = P[:THRUST_SCALE, THRUST_SCALE:] @ np.linalg.solve(
         P[THRUST_SCALE:, THRUST_SCALE:], P[THRUST_SCALE:, :THRUST_SCALE]
     )

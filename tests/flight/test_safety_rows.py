@@ -129,15 +129,15 @@ def test_thrust_that_does_not_answer_is_told_from_the_bottom_of_a_curve() -> Non
 
 
 def test_a_link_that_becomes_slow_in_flight_hands_back() -> None:
-    assert after(10.0, CALM._replace(link_delay=0.19)) is Action.NONE
+    assert after(10.0, CALM._replace(round_trip=0.19)) is Action.NONE
     assert after(10.0, CALM) is Action.NONE
-    slow = CALM._replace(link_delay=0.21)
+    slow = CALM._replace(round_trip=0.21)
     assert after(0.29, slow) is Action.NONE
     assert after(0.31, slow) is Action.HAND_BACK
 
 
 def test_past_the_rate_loop_a_vehicle_that_turns_too_fast_is_given_back() -> None:
-    turns = CALM._replace(turning=5.0, turning_max=4.6)
+    turns = CALM._replace(body_rate=5.0, body_rate_max=4.6)
     assert after(0.04, turns) is Action.NONE
     assert after(0.06, turns) is Action.ABORT
-    assert after(1.0, turns._replace(turning_max=None)) is Action.NONE
+    assert after(1.0, turns._replace(body_rate_max=None)) is Action.NONE

@@ -64,7 +64,7 @@ def test_no_message_whatever_its_values_raises(level: OutputLevel, seed: int) ->
         speak(flown, now)
         flown.conductor.on_timer(now)
         flown.conductor.datagrams()
-        flown.conductor.sent()
+        flown.conductor.finish_tick()
     for line in flown.notes + flown.conductor.link.peers.words():
         assert line.isprintable(), line
     for name, value in ((name, getattr(flown.conductor.telemetry, name)) for name in ("home", "origin")):

@@ -26,7 +26,7 @@ def flown(made: float, wind: float, speed: float, told: float) -> ThrustResponse
     m/s^2, the disturbance by the estimator."""
     push = made * math.sin(LEAN) - DRAG * speed + DRAG * wind
     sink = G - made * math.cos(LEAN)
-    steered: Any = SimpleNamespace(thrust_n=ASKED, estimates=found(DRAG, told))
+    steered: Any = SimpleNamespace(thrust=ASKED, estimates=found(DRAG, told))
     response, q = NO_RESPONSE, from_rotation_vector((0.0, -LEAN, 0.0))
     # a moment of steady flight, again and again: the accelerations of ``made`` at this speed
     for k in range(300):
@@ -46,7 +46,7 @@ def test_in_any_wind_a_sound_vehicle_makes_what_is_asked(wind: float, speed: flo
 def test_a_weak_motor_shows_and_a_disturbance_that_comes_with_it_does_not_hide_it() -> None:
     assert flown(0.55 * ASKED, 0.0, 3.0, 0.0).made == pytest.approx(0.55 * ASKED, rel=0.03)
     response = NO_RESPONSE
-    steered: Any = SimpleNamespace(thrust_n=ASKED, estimates=found())
+    steered: Any = SimpleNamespace(thrust=ASKED, estimates=found())
     q = from_rotation_vector((0.0, -LEAN, 0.0))
     for k in range(350):
         made = ASKED if k < 300 else 0.55 * ASKED
@@ -65,7 +65,7 @@ def test_what_the_estimator_has_learned_of_a_loss_does_not_hide_it_either() -> N
     response, q = NO_RESPONSE, (1.0, 0.0, 0.0, 0.0)
     for k in range(400):
         scale = 1.0 if k < 300 else 0.5
-        steered: Any = SimpleNamespace(thrust_n=G * scale, estimates=found(scale=scale))
+        steered: Any = SimpleNamespace(thrust=G * scale, estimates=found(scale=scale))
         old = VehicleState(0.01 * k, (0.0, 0.0, -10.0), (0.0, 0.0, 0.0), q, (0.0, 0.0, 0.0), 0)
         new = old._replace(t_boot=0.01 * k + 0.01, v_n=(0.0, 0.0, 0.01 * G * (1.0 - scale)))
         response = update_thrust_response(response, old, new, steered, 1.0, G, 0.01, True)

@@ -143,7 +143,7 @@ def test_a_log_cut_anywhere_is_read_up_to_the_cut(tmp_path: Path) -> None:
     heartbeat = message("HEARTBEAT")
     writer = TlogWriter(tmp_path / "link.tlog", epoch=1e9)
     for i in range(50):
-        writer.frame(float(i), encoder.message(heartbeat, type=18))
+        writer.add_frame(float(i), encoder.message(heartbeat, type=18))
     writer.close()
     whole = (tmp_path / "link.tlog").read_bytes()
     size = len(whole) // 50

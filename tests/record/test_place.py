@@ -174,12 +174,12 @@ def test_a_change_at_any_instant_of_a_write_is_kept(tmp_path: Path, monkeypatch:
         frame.f_trace_opcodes = True
         steps[0] += event == "opcode"
         if event == "opcode" and steps[0] == steps[1]:
-            recorder.retuned({"tube": float(steps[1])}, 1.0)
+            recorder.add_settings({"tube": float(steps[1])}, 1.0)
         return trace
 
     while steps[0] >= steps[1]:
         steps[:] = [0, steps[1] + 1]
-        recorder.retuned({"tube": -1.0}, 0.0)
+        recorder.add_settings({"tube": -1.0}, 0.0)
         before = sys.gettrace()
         sys.settrace(trace)
         recorder.flush()

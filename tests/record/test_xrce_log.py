@@ -29,7 +29,7 @@ BOOT = 0.2
 def flown(directory: Path, offset: int = 0) -> XrceWriter:
     """Five commands, each 4 ms after the stamp of its state, by PX4's clock. ``offset``: us that it takes from stamps."""
     writer, commands = XrceWriter(directory, EPOCH), Commands(OutputLevel.MOTORS)
-    commands.tap = writer.datagram
+    commands.tap = writer.add_datagram
     for each in session():
         if each.of_client:
             commands.receive(each.data, each.at)

@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from companion.estimation.link_delay import DELAY_MAX, DELAY_SLEW, PX4_STEP, update_delay
+from companion.estimation.dead_time import DELAY_MAX, DELAY_SLEW, PX4_STEP, update_dead_time
 from companion.estimation.rate_loop_model import TimedCommand, recent_commands
 from companion.estimation.translation import acceleration
 from companion.frames import Heading, Vec3, rotation_matrix
@@ -62,15 +62,15 @@ class TestTranslation:
 
 class TestLinkDelay:
     def test_nothing_measured_is_as_stated(self) -> None:
-        assert update_delay(None, None, 0.01, 0.01) == 0.01
+        assert update_dead_time(None, None, 0.01, 0.01) == 0.01
 
     def test_a_measured_link_counts_with_px4s_step(self) -> None:
-        assert update_delay(None, 0.02, 0.01, 0.01) == 0.02 + PX4_STEP
+        assert update_dead_time(None, 0.02, 0.01, 0.01) == 0.02 + PX4_STEP
 
     def test_it_follows_slowly_and_is_bounded(self) -> None:
-        assert update_delay(0.01, 0.1, 0.01, 0.01) == pytest.approx(0.01 + 0.01 * DELAY_SLEW)
-        assert update_delay(0.1, 0.0, 0.01, 0.01) == pytest.approx(0.1 - 0.01 * DELAY_SLEW)
-        assert update_delay(None, 9.0, 0.01, 0.01) == DELAY_MAX
+        assert update_dead_time(0.01, 0.1, 0.01, 0.01) == pytest.approx(0.01 + 0.01 * DELAY_SLEW)
+        assert update_dead_time(0.1, 0.0, 0.01, 0.01) == pytest.approx(0.1 - 0.01 * DELAY_SLEW)
+        assert update_dead_time(None, 9.0, 0.01, 0.01) == DELAY_MAX
 
 
 class TestLimitRates:

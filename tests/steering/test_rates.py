@@ -76,7 +76,7 @@ def test_absurd_rates_stay_an_attitude() -> None:
 
 def test_level_keeps_the_heading() -> None:
     leaning = multiply(quaternion_from_euler(1.0, 0.0, 0.0), quaternion_from_euler(0.0, 0.3, 0.0))
-    assert AsAttitude().level((0.0, 0.0, 0.0), 0.5, leaning).q_nb == pytest.approx(
+    assert AsAttitude().level_setpoint((0.0, 0.0, 0.0), 0.5, leaning).q_nb == pytest.approx(
         quaternion_from_euler(1.0, 0.0, 0.0), abs=1e-9
     )
 
@@ -136,7 +136,7 @@ def test_held_on_the_path_it_waits_and_carries_on(speed: float, off: float) -> N
 
 def test_at_the_end_of_the_thrust_the_path_comes_first_then_the_speed_then_the_heading() -> None:
     """A figure-eight that asks for 16.2 m/s^2 of the 15.5 there are, and for 1 N m of yaw torque of at most 0.27."""
-    believed = machine("x500", drag=0.0, state_rate=100.0, link_delay=0.02)
+    believed = machine("x500", drag=0.0, state_rate=100.0, dead_time=0.02)
     assert believed.limits is not None
     believed = dataclasses.replace(believed, limits=dataclasses.replace(believed.limits, tilt=math.radians(65.0)))
     heavy = world("ideal", link=Link(Way(0.01), Way(0.01)), truth=Deviations(mass=1.1 * believed.mass, drag=0.2))

@@ -77,7 +77,7 @@ def test_what_motors_would_be_told_is_told_to_px4s_allocator() -> None:
     told = MotorSetpoint((0.3, 0.5, 0.4, 0.6))
     motors: Any = SimpleNamespace(level=lambda state, memory=None: told)
     steering = TorqueSteering(motors, Px4Allocation(vehicle))
-    level = steering.level(None)
+    level = steering.level_setpoint(None)
     assert isinstance(level, TorqueSetpoint)
     assert level.thrust == pytest.approx(0.45)
     assert Px4Allocation(vehicle).commands(level.torque_b, level.thrust) == pytest.approx(told.commands)

@@ -84,7 +84,7 @@ class Sortie:
             if now >= conductor.next_timer():
                 conductor.on_timer(now)
             self._send(now)
-            conductor.sent()
+            conductor.finish_tick()
             self._send(now)
             arrived = self._arrived()
             if conductor.done:

@@ -37,7 +37,7 @@ def turned(x: Any) -> Vec3:
     return (float(x[0]), -float(x[1]), -float(x[2]))
 
 
-def hummingbird(drag: float = 0.0, mass_error: float = 0.0, link_delay: float = 0.0) -> Vehicle:
+def hummingbird(drag: float = 0.0, mass_error: float = 0.0, dead_time: float = 0.0) -> Vehicle:
     """What the companion is told of it. ``drag`` 1/s; ``mass_error``: a share of the mass."""
     mass = quad_params["mass"]
     lift = mass * GRAVITY / HOVER / 4.0
@@ -55,7 +55,7 @@ def hummingbird(drag: float = 0.0, mass_error: float = 0.0, link_delay: float = 
         drag=drag,
         hover_thrust=HOVER * (1.0 + mass_error),
         rate_loop_lag=1.0 / RATE_GAIN,
-        link_delay=link_delay,
+        dead_time=dead_time,
         state_rate=1.0 / CONTROL_PERIOD,
         limits=Limits(tilt=math.radians(70.0), failure_detector=math.radians(85.0)),
     )

@@ -22,7 +22,7 @@ from trials.rivals.tracker import tracking
 PX4, TRACKER, ATTITUDE, RATES, ITS_OWN = (
     "PX4 position control", "SE(3) tracker", "the law, attitude", "the law, rates", "RotorPy's SE3Control"
 )  # fmt: skip
-LINK_DELAY = 0.02
+DEAD_TIME = 0.02
 """s, from a state to the effect of its setpoint, beyond what the vehicle needs itself."""
 CONTROL_RATE = 100.0
 LOST_FIGURES = Figures(math.inf, math.inf, math.inf, math.inf, math.inf, math.inf, True)
@@ -90,14 +90,12 @@ def _in_rotorpy(sortie: Sortie) -> Figures:
     if sortie.who == ITS_OWN:
         place = dataclasses.replace(place, abstraction="cmd_motor_speeds", track=[])
         return figures(course, rotorpy_place.fly_its_own(course, place, sortie.seconds), sortie.settle)
-    vehicle = rotorpy_place.hummingbird(link_delay=LINK_DELAY)
+    vehicle = rotorpy_place.hummingbird(dead_time=DEAD_TIME)
     plan = prepared(course.mission(), vehicle, OutputLevel.RATES, (0.0, 0.0, 0.0))
     if sortie.who == TRACKER:
         plan = dataclasses.replace(plan, steering=tracking(plan, course))
     try:
-        return figures(
-            course, rotorpy_place.fly_steered(course, place, plan, sortie.seconds, LINK_DELAY), sortie.settle
-        )
+        return figures(course, rotorpy_place.fly_steered(course, place, plan, sortie.seconds, DEAD_TIME), sortie.settle)
     except (ValueError, ArithmeticError):
         return LOST_FIGURES
 
@@ -113,19 +111,19 @@ def _sih_rough() -> Place:
     vehicle, world = _sih()
     link = Link(Way(0.02, loss=0.1), Way(0.024, loss=0.1))
     return Place(
-        dataclasses.replace(vehicle, link_delay=0.044), dataclasses.replace(world, wind_n=(-5.0, 0.0, 0.0), link=link)
+        dataclasses.replace(vehicle, dead_time=0.044), dataclasses.replace(world, wind_n=(-5.0, 0.0, 0.0), link=link)
     )
 
 
 def _told() -> Vehicle:
     """An x500 of which neither drag nor anything else is known, over a link of LINK_DELAY."""
     known = load_vehicle("x500")
-    return dataclasses.replace(known, drag=0.0, state_rate=CONTROL_RATE, link_delay=LINK_DELAY)
+    return dataclasses.replace(known, drag=0.0, state_rate=CONTROL_RATE, dead_time=DEAD_TIME)
 
 
 def _outdoor(**truth: object) -> Place:
     world = load_world("outdoor")
-    down, up = (dataclasses.replace(way, delay=0.5 * LINK_DELAY) for way in (world.link.down, world.link.up))
+    down, up = (dataclasses.replace(way, delay=0.5 * DEAD_TIME) for way in (world.link.down, world.link.up))
     true = dataclasses.replace(world.truth, drag=load_vehicle("x500").drag, **truth)  # type: ignore[arg-type]
     return Place(_told(), dataclasses.replace(world, link=Link(down, up), truth=true))
 

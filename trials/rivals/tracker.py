@@ -51,16 +51,16 @@ class Tracker:
         return TrackerMemory(self.rates.begin(state))
 
     def steer(
-        self, memory: TrackerMemory, state: VehicleState, dt: float, aim: Aim, link_delay: float | None = None
+        self, memory: TrackerMemory, state: VehicleState, dt: float, aim: Aim, round_trip: float | None = None
     ) -> Steered:
         """See Steering."""
         rates, begun, _ = self.learn(memory)
         if begun is None and isinstance(aim, Along) and dt > 0.0:
             begun = state.t_boot
         t = 0.0 if begun is None else state.t_boot - begun
-        delay = self.rates.vehicle.link_delay if link_delay is None else link_delay
+        delay = self.rates.vehicle.dead_time if round_trip is None else round_trip
         acts = t + delay + 0.5 * dt + self.rates.rate_loop.lag
-        steered = self._for(acts).steer(rates, state, dt, aim, link_delay)
+        steered = self._for(acts).steer(rates, state, dt, aim, round_trip)
         return steered._replace(memory=TrackerMemory(steered.memory, begun, acts))
 
     def learn(self, memory: TrackerMemory) -> TrackerMemory:
@@ -71,9 +71,9 @@ class Tracker:
         """The law's steering, asking for the moment ``t`` of the timetable."""
         return dataclasses.replace(self.rates, law=Tracking(self.course.at(t), self.rates))
 
-    def level(self, state: VehicleState | None, memory: TrackerMemory | None = None) -> Setpoint:
+    def level_setpoint(self, state: VehicleState | None, memory: TrackerMemory | None = None) -> Setpoint:
         """See Steering."""
-        return self.rates.level(state, None if memory is None else memory.rates)
+        return self.rates.level_setpoint(state, None if memory is None else memory.rates)
 
 
 def tracking(plan: Plan, course: Course) -> Tracker:

@@ -28,7 +28,7 @@ from companion.config.mission.profile_keys import (
     YawTableModel,
 )
 from companion.config.mission.profiles import Profiles, constant_in_degrees, known_names
-from companion.config.plan.source import is_plan, mission_text, parsed, read_plan
+from companion.config.plan.source import is_plan, mission_text, parse_plan_text, read_plan
 from companion.config.plan.to_mission import PlannedPath
 from companion.config.syntax.document import Document, parse
 from companion.config.syntax.faults import ConfigError, Fault, Key
@@ -133,7 +133,7 @@ def load_mission(name: str, level: Level | None, given: GivenHome = NO_HOME_GIVE
     checked. ``given``: of home, beside the file. ConfigError with every fault."""
     path = find(name, "missions")
     if is_plan(name):
-        return mission_from(parsed(mission_text(path), str(path)), level, given=given)
+        return mission_from(parse_plan_text(mission_text(path), str(path)), level, given=given)
     return mission_from(parse(read(path), str(path)), level, given=given)
 
 

@@ -42,7 +42,7 @@ def mission_text(plan: Path) -> str:
     return f"mission: {name}\nframe: ned\npath: {{kind: plan, file: {file}}}\nspeed: plan\nyaw: plan\n"
 
 
-def parsed(text: str, file: str) -> Document:
+def parse_plan_text(text: str, file: str) -> Document:
     """The mission file in ``text``; faults of one that stands for a plan are told at the plan's top."""
     document = parse(text, file)
     if is_plan(file):

@@ -12,12 +12,12 @@ DELAY_SLEW = 0.05
 """s of change a second: commands on their way are ordered by the delay. Engineering choice."""
 
 
-def update_delay(
-    before: float | None, link_delay: float | None, stated: float, dt: float, step: float = PX4_STEP
+def update_dead_time(
+    before: float | None, round_trip: float | None, stated: float, dt: float, step: float = PX4_STEP
 ) -> float:
     """s, ``dt`` s later: the link there and back as measured, and the ``step`` (s) at which a command acts; as
     ``stated`` in the vehicle file where nothing is measured. It follows at DELAY_SLEW at most."""
-    now = stated if link_delay is None else link_delay + step
+    now = stated if round_trip is None else round_trip + step
     now = clamped(now, 0.0, DELAY_MAX)
     if before is None or dt == 0.0:
         return now
