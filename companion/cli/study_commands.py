@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 from typing import Annotated
 
@@ -45,12 +46,14 @@ def run(
     cases = [case for case in cases_of(read) if case.index not in results.rows]
     say(f"{read.name}: {len(cases)} of {read.flights} flights to fly, results in {directory}")
     interrupted = False
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: so a batch system ends a job
     with Progress(len(cases)) as progress:
         try:
             flown(cases, workers, scheduler, lambda row: progress.step(results.add(row)))
         except KeyboardInterrupt:
             interrupted = True
         finally:
+            signal.signal(signal.SIGTERM, before)
             results.close()
     rows = [results.rows[index] for index in sorted(results.rows)]
     said = judged(read.model, rows, read.flights)

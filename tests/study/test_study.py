@@ -7,6 +7,7 @@ import functools
 import json
 import math
 import os
+import signal
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -347,3 +348,21 @@ def test_a_requirement_that_fails_is_exit_code_1(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr("companion.study.engine.flown", here)
     run = CliRunner().invoke(app, ["study", "run", "tiny.yaml", "--record", "r"])
     assert run.exit_code == 1 and "does not hold: 0 of 2" in run.stdout
+
+
+def test_a_study_that_is_ended_keeps_what_has_landed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By SIGTERM, as a batch system ends a job, as by Ctrl-C."""
+    monkeypatch.chdir(tmp_path)
+    Path("tiny.yaml").write_text(TINY, encoding="utf-8")
+
+    def here(cases: list[Case], workers: int, scheduler: str | None, take: Any) -> None:
+        take({"index": 0, "passed": True, "outcome": "completed"})
+        os.kill(os.getpid(), signal.SIGTERM)
+        raise AssertionError("it went on")
+
+    monkeypatch.setattr("companion.study.engine.flown", here)
+    before = signal.getsignal(signal.SIGTERM)
+    run = CliRunner().invoke(app, ["study", "run", "tiny.yaml", "--record", "r"])
+    assert run.exit_code == 130 and "1 of 2 flights are still to be flown: --resume" in run.stdout
+    assert signal.getsignal(signal.SIGTERM) is before
+    assert Path("r/results.csv").read_text().count("\n") == 2
