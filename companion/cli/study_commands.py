@@ -57,7 +57,7 @@ def run(
             results.close()
     rows = [results.rows[index] for index in sorted(results.rows)]
     said = judged(read.model, rows, read.flights)
-    for line in in_words(said) if rows else []:
+    for line in in_words(said):
         tell(line)
     tell(f"results: {directory}")
     raise typer.Exit(130 if interrupted else 0 if said.holds else 1)
@@ -73,7 +73,7 @@ def report(directory: Folder) -> None:
     rows, read = load_rows(directory), load_run_study(directory)
     write_tables(directory, rows)
     said = judged(read.model, rows, read.flights)
-    for line in in_words(said) if rows else []:
+    for line in in_words(said):
         tell(line)
     tell(str(write_page(directory, read, rows, said)))
 

@@ -95,7 +95,12 @@ def _client(distributed: Any, workers: int, scheduler: str | None) -> Iterator[A
         return
     with (
         distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
+            n_workers=workers,
+            threads_per_worker=1,
+            silence_logs=logging.CRITICAL,
+            # no dashboard; a free port for dask's own page of health, which warns where its usual one is taken
+            dashboard_address="127.0.0.1:0",
+            scheduler_kwargs={"dashboard": False},
         ) as cluster,
         distributed.Client(cluster) as client,
     ):

@@ -139,5 +139,9 @@ def line_of(row: Row) -> str:
 
 
 def shown(value: Any) -> str:
-    """A value that varies, short."""
+    """A value that varies, short, as a study's file has it."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {shown(each)}" for key, each in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(shown, value)) + "]"
     return f"{value:.4g}" if isinstance(value, float) else str(value)

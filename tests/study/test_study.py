@@ -29,7 +29,7 @@ from companion.study.reading import load_study, study_from
 from companion.study.results import Results, load_rows, load_run_study
 from companion.study.sampling import ends_of, quantile, samples
 from companion.study.stored import at_hand
-from companion.study.telling import in_words, judged, rate_of, worst
+from companion.study.telling import in_words, judged, rate_of, shown, worst
 
 ROOT = Path(__file__).resolve().parents[2]
 TINY = """\
@@ -170,6 +170,10 @@ def test_the_verdict_the_worst_and_what_explains_them() -> None:
     assert key == "mass" and rank == pytest.approx(1.0)
     assert in_words(said)[0].startswith("s holds: 19 of 20 flights passed (95.0 %)")
     assert "1 of 21 flights are still to be flown: --resume" in in_words(judged(model, rows(), 21))
+
+
+def test_a_value_is_shown_as_the_file_has_it() -> None:
+    assert shown([{"kind": "push", "force_n": [8, 0.123456, 0]}]) == "[{kind: push, force_n: [8, 0.1235, 0]}]"
 
 
 def test_sobol_indices_are_those_of_ishigami() -> None:
