@@ -93,18 +93,25 @@ def cost(flights: int) -> None:
 def wait(case: Case) -> dict[str, Any]:
     """What stands in the place of a flight."""
     time.sleep(WAIT)
-    return {"index": case.index, "passed": True}
+    return {"index": case.index, "passed": True, "worker": os.getpid()}
 
 
 def waiting(flights: int = 400, workers: int = 8) -> None:
     """Print how busy so many workers are."""
-    times: list[float] = []
-    flown(cases_of(study_of(flights, 1.0)), workers, None, lambda _: times.append(time.monotonic()), wait)
-    # from the first that landed on, so that starting the workers does not count
-    ideal = (flights - workers) * WAIT / workers
-    spent = times[-1] - times[workers - 1]
+    landed: list[tuple[float, int]] = []
+    flown(
+        cases_of(study_of(flights, 1.0)), workers, None,
+        lambda row: landed.append((time.monotonic(), row["worker"])), wait,
+    )  # fmt: skip
+    # from when every worker has landed one, so that it does not count how long they take to start and to import
+    begun = next(i for i in range(flights) if len({worker for _, worker in landed[: i + 1]}) == workers)
+    ideal = (flights - begun - 1) * WAIT / workers
+    spent = landed[-1][0] - landed[begun][0]
     share = 100.0 * ideal / spent
-    print(f"{flights} waits of {WAIT} s on {workers} workers: {spent:.2f} s, ideal {ideal:.2f}: {share:.1f} %")
+    print(
+        f"{flights} waits of {WAIT} s on {workers} workers, the last {flights - begun - 1} counted: {spent:.2f} s, "
+        f"ideal {ideal:.2f}: {share:.1f} %"
+    )
 
 
 @contextlib.contextmanager
@@ -135,10 +142,10 @@ def kills(flights: int) -> None:
             codes = _disturbed(study, folder, who, flights)
             rows = load_rows(folder)
             lines = (folder / "rows.jsonl").read_text(encoding="utf-8").splitlines()
-            same = [_kept(row) for row in rows] == [_kept(row) for row in reference]
+            other = _differing(rows, reference)
             print(
                 f"kill -9 of the {who}: exit codes {codes}, {len(lines)} rows of {len(reference)} flights, "
-                f"{'the same figures bit for bit' if same else 'OTHER FIGURES'}",
+                f"{f'OTHER FIGURES: {other}' if other else 'the same figures bit for bit'}",
                 flush=True,
             )
 
@@ -232,9 +239,14 @@ def _least(run: Callable[[], object], times: int) -> float:
     return min(spent)
 
 
-def _kept(row: dict[str, Any]) -> dict[str, Any]:
-    """Without what differs from run to run."""
-    return json.loads(json.dumps({key: value for key, value in row.items() if key != "wall_s"}))  # type: ignore[no-any-return]
+def _differing(rows: list[dict[str, Any]], reference: list[dict[str, Any]]) -> list[str]:
+    """Which columns are not the same, wall times apart."""
+    here = [json.loads(json.dumps(row)) for row in reference]
+    if len(rows) != len(here):
+        return ["the number of rows"]
+    pairs = list(zip(rows, here, strict=True))
+    keys = {key for row in (*rows, *here) for key in row} - {"wall_s"}
+    return [key for key in sorted(keys) if any(row.get(key) != there.get(key) for row, there in pairs)]
 
 
 def main() -> None:
