@@ -13,6 +13,7 @@ by Lyapunov's equation. rho is set so that both command alike. docs/estimation.m
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -33,6 +34,7 @@ from companion.estimation.kalman_step import (
     WANDER_TIME,
 )
 from companion.estimation.rate_loop_model import GYRO_ACCELERATION_GAIN, GYRO_TIME
+from companion.vehicle import Vehicle
 from trials.measured import machine
 
 Array = NDArray[np.float64]
@@ -75,9 +77,10 @@ def _discrete(A: Array, B: Array, W: Array, step: float) -> tuple[Array, Array, 
     return held[:n, :n], held[:n, n:], both[n:, n:].T @ both[:n, n:]
 
 
-def axis_at(speed: float, *, vertical: bool = False) -> Plant:
-    """An axis at ``speed`` on the circle. Level: body rate -> tilt -> acceleration; vertical: rate of the thrust."""
-    errors, vehicle = load_world("sih_noisy").estimate, machine("sih")
+def axis_at(speed: float, vehicle: Vehicle, *, vertical: bool = False, gain: float = 1.0) -> Plant:
+    """An axis at ``speed`` on the circle. Level: body rate -> tilt -> acceleration; vertical: rate of the thrust, of
+    which the motors make ``gain`` times what is asked for."""
+    errors = load_world("sih_noisy").estimate
     axis = 2 if vertical else 0
     lean = speed * speed / RADIUS
     assert errors.drift is not None
@@ -92,7 +95,7 @@ def axis_at(speed: float, *, vertical: bool = False) -> Plant:
     A[0, 1], A[1, 1], A[1, 2] = 1.0, -DRAG, G if not vertical else 1.0
     A[1, 12] = -(lean if vertical else G)  # the tilt is not what it is held to be
     if vertical:  # thrust over mass behind the motors, of which the rate is commanded
-        A[2, 2], A[2, 3], B[3, 0] = -1.0 / vehicle.motor_lag, 1.0 / vehicle.motor_lag, 1.0
+        A[2, 2], A[2, 3], B[3, 0] = -1.0 / vehicle.motor_lag, gain / vehicle.motor_lag, 1.0
         A[4, 4] = -1.0 / vehicle.motor_lag
     else:
         decay, stiff = 1.0 / vehicle.motor_lag, 1.0 / (vehicle.rate_loop_lag * vehicle.motor_lag)
@@ -146,6 +149,18 @@ def bound(plant: Plant, command: float) -> float:
     return optimal(plant, 10.0**high)[0]
 
 
+MISTAKES = (
+    ("all as told", 0.05, 0.05, 1.0),
+    ("motors lag 15 ms, told 50", 0.015, 0.05, 1.0),
+    ("motors lag 75 ms, told 50", 0.075, 0.05, 1.0),
+    ("motors lag 60 ms, told 25", 0.06, 0.025, 1.0),
+    ("thrust curve 0.3 at hover 0.5", 0.05, 0.05, 1.18),
+    ("60 ms, told 25, and the curve", 0.06, 0.025, 1.18),
+)
+"""What; s of motor lag, true and told; thrust made over thrust asked for about the mean: of a curve m at a command u
+(1 - m + 2 m u) / (1 - m + m u), the mean itself being found as the thrust scale."""
+
+
 class Levels(NamedTuple):
     """What the filter takes the noise for once it has found it: (m/s)^2 of U and B, (m/s^2)^2 of W."""
 
@@ -175,9 +190,9 @@ def _filter(levels: Levels, *, vertical: bool) -> tuple[Array, Array, Array]:
     return A, pushed, P @ C.T @ np.linalg.inv(C @ P @ C.T + np.diag(NOISE_MIN))
 
 
-def _model(*, vertical: bool) -> Array:
+def _model(vehicle: Vehicle, *, vertical: bool) -> Array:
     """What the predictor integrates: distance, its rate, the actuator's three states, the disturbance, the command."""
-    vehicle, model = machine("sih"), np.zeros((7, 7))
+    model = np.zeros((7, 7))
     model[0, 1], model[1, 1], model[1, 2], model[1, 5] = 1.0, -DRAG, 1.0 if vertical else G, 1.0
     if vertical:
         model[2, 2], model[2, 3] = -1.0 / vehicle.motor_lag, 1.0 / vehicle.motor_lag
@@ -187,14 +202,15 @@ def _model(*, vertical: bool) -> Array:
     return model
 
 
-def flown(plant: Plant, pole: float, levels: Levels, *, vertical: bool = False) -> tuple[float, float]:
-    """Our law in the same world: standard deviations of distance (m) and command. ``pole``: 1/s, three times."""
+def flown(plant: Plant, told: Vehicle, pole: float, levels: Levels, *, vertical: bool = False) -> tuple[float, float]:
+    """Our law in the same world: standard deviations of distance (m) and command, inf where it is not stable. ``told``:
+    what its model believes of the vehicle. ``pole``: 1/s, three times."""
     A, pushed, L = _filter(levels, vertical=vertical)
     n = len(plant.A)
-    horizon = 1.5 * STEP + machine("sih").rate_loop_lag
+    horizon = 1.5 * STEP + told.rate_loop_lag
     k0, k1, k2 = pole**3, 3.0 * pole**2, 3.0 * pole
     f = 1.0 if vertical else G
-    model = _model(vertical=vertical)
+    model = _model(told, vertical=vertical)
     ahead, one = expm(model * horizon), expm(model * STEP)
     near, far = 1.0 - math.exp(-STEP / GYRO_TIME), GYRO_ACCELERATION_GAIN * STEP
 
@@ -202,16 +218,15 @@ def flown(plant: Plant, pole: float, levels: Levels, *, vertical: bool = False) 
         """The joint state (plant, filter, reported actuator, rate observer) a step later, and the command."""
         x, known, last, rates = state[:n], state[n : n + 6], state[n + 6], state[n + 7 :]
         y = plant.C @ x + noise
-        acting = y[2]
+        acting = rates[0] if vertical else y[2]  # of the thrust only the model is known
         known = A @ known + pushed * (0.5 * f * (last + acting))
-        # of the thrust the command is known
-        rates = x[[3, 4]] if vertical else rates + np.array([near, far]) * (y[3] - rates[0])
+        rates = np.array([x[3], 0.0]) if vertical else rates + np.array([near, far]) * (y[3] - rates[0])
         push = known[4] + known[5] + DRAG * known[2]
         now = np.array([known[0], known[1] + known[2], acting, *rates, push, x[n - 1]])
         p, v, there, *_ = ahead @ now
         a = (now[3] if vertical else f * there) + push - DRAG * v
         u = (-k0 * p - k1 * v - k2 * a + DRAG * a) / f
-        moved = rates if vertical else (one @ now)[3:5]
+        moved = (one @ now)[[2, 3]] if vertical else (one @ now)[3:5]
         after = known + L @ (y[:2] - np.array([known[0], known[1] + known[3]]))
         return np.concatenate([plant.A @ x + plant.B[:, 0] * u, after, [acting], moved]), u
 
@@ -235,13 +250,14 @@ def _deviations(plant: Plant, step: Callable[[Array, Array], tuple[Array, float]
 
 def main() -> None:
     """Print a line a speed and pole: flown and the least, level and vertical, and both together."""
+    vehicle = machine("sih")
     print("speed pole | level: flown, least cm | vertical: flown, least cm | together: flown, least cm, ratio")
     for speed in (3.0, 5.0, 7.0):
         for pole in (5.0, 6.0, 7.0, 8.0):
             ours, least = [], []
             for vertical in (False, True):
-                plant = axis_at(speed, vertical=vertical)
-                distance, command = flown(plant, pole, FOUND[vertical], vertical=vertical)
+                plant = axis_at(speed, vehicle, vertical=vertical)
+                distance, command = flown(plant, vehicle, pole, FOUND[vertical], vertical=vertical)
                 ours.append(100.0 * distance)
                 least.append(100.0 * bound(plant, command))
             both, floor = math.hypot(*ours), math.hypot(*least)
@@ -249,6 +265,14 @@ def main() -> None:
                 f"{speed:5.0f} {-pole:4.0f} | {ours[0]:5.2f} {least[0]:5.2f} | {ours[1]:5.2f} {least[1]:5.2f} |"
                 f" {both:5.2f} {floor:5.2f} {both / floor:5.2f}"
             )
+    print("wrong files, 3 m/s, poles -6 | level cm, vertical cm, together")
+    for what, lag, told_lag, gain in MISTAKES:
+        true, told = (dataclasses.replace(vehicle, motor_lag=each) for each in (lag, told_lag))
+        off: list[float] = []
+        for vertical in (False, True):
+            plant = axis_at(3.0, true, vertical=vertical, gain=gain)
+            off.append(100.0 * flown(plant, told, 6.0, FOUND[vertical], vertical=vertical)[0])
+        print(f"{what:30} | {off[0]:5.2f} {off[1]:5.2f} {math.hypot(*off):5.2f}")
 
 
 if __name__ == "__main__":
