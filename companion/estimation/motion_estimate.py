@@ -53,7 +53,7 @@ class MotionEstimate(NamedTuple):
 def begin_motion(state: VehicleState, prior: Prior, gravity: float) -> MotionEstimate:
     """Hovering, as far as anybody knows."""
     estimator = initial_estimator_state(state.p_n, state.v_n, state.r_nb, gravity, prior)
-    return _motion(state, estimator, gravity, ZERO)
+    return motion_of(state, estimator, gravity, ZERO)
 
 
 def known_prior(estimate: MotionEstimate) -> Prior:
@@ -115,10 +115,12 @@ def learn_motion(estimate: MotionEstimate) -> MotionEstimate:
     if estimate.pending is None:
         return estimate
     estimator = update_estimate(estimate.estimator, estimate.pending, estimate.gravity)
-    return _motion(estimate.state, estimator, estimate.gravity, estimate.pending.specific_thrust_n)
+    return motion_of(estimate.state, estimator, estimate.gravity, estimate.pending.specific_thrust_n)
 
 
-def _motion(state: VehicleState, estimator: EstimatorState, gravity: float, specific_thrust_n: Vec3) -> MotionEstimate:
+def motion_of(
+    state: VehicleState, estimator: EstimatorState, gravity: float, specific_thrust_n: Vec3
+) -> MotionEstimate:
     """What an estimator that was updated with ``state`` says of the motion under a thrust (m/s^2)."""
     belief = estimator.belief
     disturbance_n = belief.apparent_disturbance_n(specific_thrust_n)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from companion.estimation.estimator import Prior
 from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, VELOCITY_ERROR, WANDER
+from companion.estimation.motion_estimate import motion_of
 from companion.estimation.rate_loop_model import alike
 from companion.plan import Plan
 from companion.steering.rate_memory import RateMemory
@@ -38,7 +39,9 @@ class Forgetful(RateSteering):
         belief = motion.estimator.belief
         x = tuple(0.0 if i in self.forgotten else value for i, value in enumerate(belief.x))
         estimator = motion.estimator._replace(belief=belief._replace(x=x))
-        return memory._replace(estimate=estimate._replace(motion=motion._replace(estimator=estimator)))
+        # everything that follows from the belief is made anew, the forces too; what a heading error makes is left out
+        motion = motion_of(motion.state, estimator, motion.gravity, (0.0, 0.0, 0.0))
+        return memory._replace(estimate=estimate._replace(motion=motion))
 
 
 def without(remedy: str) -> Callable[[Plan], Steering]:
