@@ -15,8 +15,8 @@ from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import vehicle_from
 from companion.identification.description import Description, of_file
-from companion.identification.from_log import Findings, better_log, identified, with_findings, words_of
-from companion.identification.parameters import described
+from companion.identification.from_log import Findings, better_log, identify, with_findings, words_of
+from companion.identification.parameters import describe_parameters
 from companion.identification.ulog import Log
 from companion.identification.ulog import read as read_log
 from companion.services.vehicle import NoVehicleHeardError, ServiceError, connect_vehicle
@@ -35,7 +35,7 @@ def from_px4(url: str, file: Path, mass: float | None, arm: float | None, force:
     except ServiceError as error:
         return refuse(str(error), as_json=False, what="nothing written")
     origin = (f"Made by companion vehicle from on {datetime.date.today()}, of {identity}.",)
-    return keep(described(values, name=file.stem, origin=origin, mass=mass, arm=arm), file)
+    return keep(describe_parameters(values, name=file.stem, origin=origin, mass=mass, arm=arm), file)
 
 
 def from_log(
@@ -59,7 +59,7 @@ def from_log(
     except OSError as error:
         raise ConfigError([Fault("LOG", 0, "", f"{log_file}: cannot be read: {error.strerror}")]) from None
     with busy(f"fitting {log_file.name}"):
-        found = identified(log)
+        found = identify(log)
     for line in words_of(found):
         tell(f"  {line}")
     advice = better_log(found)
@@ -78,7 +78,7 @@ def from_log(
 def _base(log: Log, file: Path, known: str | None, mass: float | None, arm: float | None) -> Description:
     """What the log's findings are written over."""
     if known is None:
-        return described(log.parameters, name=file.stem, mass=mass, arm=arm)
+        return describe_parameters(log.parameters, name=file.stem, mass=mass, arm=arm)
     for option, given in (("--mass", mass), ("--arm", arm)):
         if given is not None:
             raise ConfigError([Fault(option, 0, "", f"{known} says it already; change it there")])

@@ -16,28 +16,24 @@ from companion.xrce.flight_mode import MODE_LEVELS, FlightMode
 
 @dataclass(frozen=True)
 class Orders:
-    """What is to be flown. ``origin``: what the mission counts from where its file does not say. ``auto``: attitude may
-    be flown in the place of rates. ``set_parameters``: the vehicle's parameters may be set for the flight.
-    ``over_xrce``: setpoints go to PX4's XRCE client; ``has_xrce``: they might, if that were asked for. ``mode_levels``:
-    what may be flown in a flight mode of ours. ``conduct``: how; what the vehicle says of itself is added to its
-    limits. ``draw``: the curve is uploaded as mission items, for the ground station's map. ``learned``: what the
-    vehicle's last flight left. ``objection``: looks at the mission in its real place over the ground (m, down in the
-    local frame) and says why it may not be flown there."""
+    """What is to be flown. ``objection`` looks at the mission in its real place over the ground (m, down in the local
+    frame) and says why it may not be flown there.
+    """
 
     mission: Mission
     vehicle: Vehicle
     level: OutputLevel
-    duration: float | None
-    origin: Origin
-    auto: bool = False
-    set_parameters: bool = False
-    over_xrce: bool = False
-    has_xrce: bool = False
-    mode_levels: frozenset[OutputLevel] = MODE_LEVELS
-    conduct: Conduct = field(default_factory=Conduct)
-    draw: bool = False
-    learned: Learned | None = None
-    objection: Callable[[Mission, float], str | None] | None = None
+    duration: float | None  # s of following; None: as the mission says
+    origin: Origin  # what the mission counts from where its file does not say
+    auto: bool = False  # attitude may be flown in the place of rates
+    set_parameters: bool = False  # the vehicle's parameters may be set for the flight
+    over_xrce: bool = False  # setpoints go to PX4's XRCE client
+    has_xrce: bool = False  # they might, if that were asked for
+    mode_levels: frozenset[OutputLevel] = MODE_LEVELS  # what may be flown in a flight mode of ours
+    conduct: Conduct = field(default_factory=Conduct)  # how; what the vehicle says of itself is added to its limits
+    draw: bool = False  # the curve is uploaded as mission items, for the ground station's map
+    learned: Learned | None = None  # what the vehicle's last flight left
+    objection: Callable[[Mission, float], str | None] | None = None  # None: none is looked for
 
 
 def commands_of(orders: Orders, recorder: TickRecorder | None) -> Commands:

@@ -25,43 +25,32 @@ class Answer(NamedTuple):
 
 
 class Situation(NamedTuple):
-    """What the guards look at.
-
-    ``now``, ``entered``: s, our clock, and since when the phase lasts. ``status``: what is known of the vehicle.
-    ``mode_seen``: the mode of this phase was seen in telemetry. ``decided_in``: the mode in which the phase began to
-    ask, ``asked``: how often it has, ``asked_at`` s when last. ``state_at``: when the last state was measured;
-    ``unusable``: what came in its place; ``late``: s that it came late.
-    ``answer``: the last answer to this phase's request, ``answered``: s since it came, and ``armed_heard``: s since
-    armed was last said. ``from_ground``: the flight began on the ground.
-    ``faulty``: something went wrong before. ``stop``: told to stop. ``missing``: what the preflight lacks.
-    ``settled``, ``joined``, ``at_end``: the thrust is known, the path is reached, its open end is. ``goes_back``: the
-    path is flown back from its end. ``finished``, ``law_error``: reasons, or None. ``verdict``: of the safety rows.
-    """
+    """What the guards look at."""
 
     phase: Phase
-    now: float
-    entered: float
-    status: KnownStatus
-    mode_seen: bool
-    state_at: float | None
-    answer: Answer | None
-    from_ground: bool
+    now: float  # s, our clock
+    entered: float  # s, since when the phase lasts
+    status: KnownStatus  # what is known of the vehicle
+    mode_seen: bool  # the mode of this phase was seen in telemetry
+    state_at: float | None  # s, when the last state was measured
+    answer: Answer | None  # the last one to this phase's request
+    from_ground: bool  # the flight began on the ground
     authority: ControlAuthority = ControlAuthority.COMPANION
     finish: Finish = Finish.AS_BEGUN
-    faulty: bool = False
-    stop: bool = False
-    missing: str | None = None
-    settled: bool = False
-    joined: bool = False
-    at_end: bool = False
-    goes_back: bool = False
-    finished: str | None = None
-    law_error: str | None = None
-    verdict: Verdict = NO_FAULT
-    decided_in: Mode | None = None
-    asked: int = 1
-    asked_at: float = math.inf
-    unusable: str | None = None
-    late: float = 0.0
-    answered: float = 0.0
-    armed_heard: float = math.inf
+    faulty: bool = False  # something went wrong before
+    stop: bool = False  # told to stop
+    missing: str | None = None  # what the preflight lacks
+    settled: bool = False  # the thrust is known
+    joined: bool = False  # the path is reached
+    at_end: bool = False  # its open end is
+    goes_back: bool = False  # the path is flown back from its end
+    finished: str | None = None  # why following is over; None: it is not
+    law_error: str | None = None  # why the law has no answer; None: it has
+    verdict: Verdict = NO_FAULT  # of the safety rows
+    decided_in: Mode | None = None  # the mode in which the phase began to ask
+    asked: int = 1  # how often it has
+    asked_at: float = math.inf  # s, when last
+    unusable: str | None = None  # what came in the place of a state
+    late: float = 0.0  # s that the last state came late
+    answered: float = 0.0  # s since the answer came
+    armed_heard: float = math.inf  # s since armed was last said

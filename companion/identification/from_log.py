@@ -54,7 +54,7 @@ class Findings(NamedTuple):
         return _weighted((self.axes[0].lag, self.axes[1].lag))
 
 
-def identified(log: Log) -> Findings:
+def identify(log: Log) -> Findings:
     """Everything that is found. CompanionError: the log holds no flight."""
     parts = flown_parts(log)
     cutoff = log.parameters.get("IMU_GYRO_CUTOFF", 40.0)

@@ -41,7 +41,7 @@ QUAD_X = ((1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.
 """Forward, right and the sign of KM in PX4's motor order, where a firmware has no CA_ROTOR*."""
 
 
-def described(
+def describe_parameters(
     values: Values, *, name: str, origin: tuple[str, ...] = (), mass: float | None = None, arm: float | None = None
 ) -> Description:
     """A vehicle file of PX4's parameters. ``mass`` (kg) and ``arm`` (m, of the longest): as the user measured them.

@@ -84,34 +84,25 @@ UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class RateSteering:
-    """The law at the level of rates for one vehicle.
-
-    ``range``: of zeta. ``rate_loop``: by the vehicle file, ``lag``: s, as last found. ``hover_thrust``: normalised, by
-    PX4 or the file.
-    ``prior``: of what is estimated. ``encoding``: what is sent; what it smooths makes the rate loop so much later.
-    ``yaw_gain``: 1/s, of h4. ``tilt_gain``: 1/s, the law's largest on the tilt. ``course``: what lies ahead; None: the
-    speed never yields. ``tan_tilt_max``: of the steepest tilt. ``heading``: whose heading h4 is. ``per_rate``: what
-    rate errors take of the motors' range. ``path_pole``: 1/s, of h1 and h2 as recorded where they were chosen, and
-    ``pole_choice`` how far they may be lowered.
-    """
+    """The law at the level of rates for one vehicle."""
 
     law: Law
     hold: HoldLaw
     vehicle: Vehicle
-    range: ThrustRange
-    rate_loop: RateLoop
-    hover_thrust: float
-    prior: Prior
-    encoding: Encoding
-    yaw_gain: float
+    range: ThrustRange  # of zeta
+    rate_loop: RateLoop  # by the vehicle file
+    hover_thrust: float  # normalised, by PX4 or the file
+    prior: Prior  # of what is estimated
+    encoding: Encoding  # what is sent; what it smooths makes the rate loop so much later
+    yaw_gain: float  # 1/s, of h4
     tilt_gain: float
-    course: Course | None = None
-    tan_tilt_max: float = math.inf
-    lag: float = 0.06
-    heading: Heading = Heading.PROJECTED
-    per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE
-    path_pole: float = math.nan
-    pole_choice: PoleChoice = AS_WRITTEN
+    course: Course | None = None  # what lies ahead; None: the speed never yields
+    tan_tilt_max: float = math.inf  # of the steepest tilt
+    lag: float = 0.06  # s, of the rate loop as last found
+    heading: Heading = Heading.PROJECTED  # whose heading h4 is
+    per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE  # what rate errors take of the motors' range
+    path_pole: float = math.nan  # 1/s, of h1 and h2 as recorded where they were chosen
+    pole_choice: PoleChoice = AS_WRITTEN  # how far they may be lowered
 
     def begin(self, state: VehicleState) -> RateMemory:
         """Hovering, as far as anybody knows."""

@@ -217,7 +217,7 @@ class Agent:
                 case GetInfo():
                     self._answer(Info(each.request, each.object, alive=True), session.number)
                 case Acknack():
-                    session.outgoing.acknowledged(each)
+                    session.outgoing.take_acknack(each)
                 case Heartbeat():
                     self._acknack = session.incoming.acknack(each.last)
                 case Fragment():

@@ -163,7 +163,7 @@ class Commands:
         written = all(cdr for _, cdr in samples) and self.agent.write(samples)
         done = is_open and written
         if done and mode is not None:
-            mode.commanded(now)
+            mode.notice_command(now)
         self.agent.keeps_time = not done  # see there
         self.sent += done
         self.kept_back += flies and not done

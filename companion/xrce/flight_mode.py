@@ -88,7 +88,7 @@ class FlightMode:
         """Whether PX4 has just said that it flies in it."""
         return self.number is not None and self._nav_state == self.number and now - self._said_at <= STATUS_LASTS
 
-    def commanded(self, now: float) -> None:
+    def notice_command(self, now: float) -> None:
         """A command went out."""
         self._commanded_at = now
 

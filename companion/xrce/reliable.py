@@ -69,7 +69,7 @@ class Outgoing:
         if len(self._waiting) < WAITING_MAX:
             self._waiting.append(submessage)
 
-    def acknowledged(self, acknack: Acknack) -> None:
+    def take_acknack(self, acknack: Acknack) -> None:
         """What the other side has, and what it misses."""
         for number in [each for each in self._sent if 0 < ahead(acknack.first, each) <= HISTORY]:
             del self._sent[number]

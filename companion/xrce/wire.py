@@ -105,10 +105,10 @@ def decode_submessages(data: bytes, at: int = 0) -> Iterator[Submessage]:
             raise WireError(f"submessage {number} is big endian")
         at = end + -end % 4
         if number in _READ:
-            yield _decoded(number, flags, data[begin:end])
+            yield _decode(number, flags, data[begin:end])
 
 
-def _decoded(number: int, flags: int, payload: bytes) -> Submessage:
+def _decode(number: int, flags: int, payload: bytes) -> Submessage:
     shortest, read = _READ[number]
     value = read(payload) if len(payload) >= shortest else None
     if value is None:

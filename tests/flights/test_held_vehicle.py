@@ -5,7 +5,7 @@ from companion.flight.safety import NOTHING_SINCE, Action, SafetyInputs, update_
 from companion.vehicle import KnownStatus
 
 LIMITS = Limits(tilt=1.0)
-HELD = SafetyInputs(KnownStatus(), following=True, rate_error=3.9, turning=0.0, still=True, saturated=True)
+HELD = SafetyInputs(KnownStatus(), following=True, rate_error=3.9, body_rate=0.0, still=True, saturated=True)
 
 
 def after(seconds: float, inputs: SafetyInputs) -> Action:
@@ -18,7 +18,7 @@ def test_held_still_the_flight_waits_to_be_let_go() -> None:
 
 
 def test_turning_otherwise_than_told_ends_it() -> None:
-    assert after(1.0, HELD._replace(turning=3.9, still=False)) is Action.ABORT
+    assert after(1.0, HELD._replace(body_rate=3.9, still=False)) is Action.ABORT
 
 
 def test_at_its_limits_and_moving_it_is_handed_back() -> None:

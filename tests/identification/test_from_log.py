@@ -14,7 +14,7 @@ from companion.cli.commands import app
 from companion.config.vehicle import load_vehicle
 from companion.identification.flight_data import STEP, Part
 from companion.identification.force_fit import fit_forces
-from companion.identification.from_log import Findings, better_log, identified, unit_torques, words_of
+from companion.identification.from_log import Findings, better_log, identify, unit_torques, words_of
 from companion.identification.rate_fit import Found, first_order
 from companion.identification.ulog import read
 from companion.vehicle import GRAVITY, CompanionError
@@ -39,7 +39,7 @@ def log_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def found(log_file: Path) -> Findings:
     with log_file.open("rb") as opened:
-        return identified(read(opened, log_file.name))
+        return identify(read(opened, log_file.name))
 
 
 def near(value: Found, true: float, within: float = 0.05) -> None:
@@ -64,7 +64,7 @@ def test_a_log_of_px4s_own_simulation_is_read(tmp_path: Path) -> None:
     file = tmp_path / "px4.ulg"
     file.write_bytes(gzip.decompress((Path(__file__).parents[1] / "data" / "px4_sitl.ulg.gz").read_bytes()))
     with file.open("rb") as opened:
-        found = identified(read(opened, file.name))
+        found = identify(read(opened, file.name))
     assert found.log.identity.startswith("PX4 1.17.0")
     near(found.forces.hover_thrust, 0.4905)
     near(found.forces.drag, 1.0)
@@ -130,7 +130,7 @@ def test_a_short_slow_log_is_told_what_it_lacks(tmp_path: Path) -> None:
         tmp_path / "slow.ulg", machine("sih"), world("ideal"), mission="circle_r5", speed=1.0, duration=8.0, every=every
     )
     with file.open("rb") as opened:
-        found = identified(read(opened, file.name))
+        found = identify(read(opened, file.name))
     said = " ".join(better_log(found))
     for words in ("SDLOG_PROFILE 25", "fly longer", "more yaw", "tell little of drag", "THR_MDL_FAC"):
         assert words in said, said

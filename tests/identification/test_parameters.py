@@ -9,7 +9,7 @@ import pytest
 from companion.config.syntax.document import parse
 from companion.config.vehicle import load_vehicle, vehicle_from
 from companion.identification.description import Source, of_file
-from companion.identification.parameters import described
+from companion.identification.parameters import describe_parameters
 from companion.vehicle import CompanionError, Spin, Vehicle
 from companion.world import Home
 from sim_bridge.autopilot.parameters import of
@@ -24,7 +24,7 @@ REAL = {
 
 
 def made(values: dict[str, float], **measured: float) -> tuple[str, Vehicle]:
-    text = described(values, name="mine", origin=("of PX4",), **measured).text  # type: ignore[arg-type]
+    text = describe_parameters(values, name="mine", origin=("of PX4",), **measured).text  # type: ignore[arg-type]
     return text, vehicle_from(parse(text, "mine.yaml"))
 
 
@@ -97,4 +97,4 @@ def test_an_old_px4_without_geometry_still_gives_a_file() -> None:
 @pytest.mark.parametrize("change", [{"CA_ROTOR_COUNT": 6}, {"CA_AIRFRAME": 1}, {"CA_ROTOR2_AZ": 0.0}])
 def test_other_vehicles_are_refused(change: dict[str, float]) -> None:
     with pytest.raises(CompanionError, match=r"no quadrotor|tilted"):
-        described({**REAL, **change}, name="mine")
+        describe_parameters({**REAL, **change}, name="mine")

@@ -61,6 +61,6 @@ def test_what_was_learned_of_the_loops_it_does_not_fly_is_kept() -> None:
     settled = estimate.motion.estimator._replace(flight_time=20.0)
     settled = settled._replace(belief=settled.belief._replace(T=(1e-4, 0.0, 1e-3)))
     memory = memory._replace(estimate=estimate._replace(motion=estimate.motion._replace(estimator=settled)))
-    learned = steering.learned(memory)
+    learned = steering.learned_values(memory)
     assert learned is not None
     assert (learned.rate_lag, learned.yaw_lag) == (0.065, 0.31)

@@ -69,7 +69,7 @@ class SmallClient:
                 case Status():
                     self._open.discard(each.request)
                 case Acknack():
-                    self._outgoing.acknowledged(each)
+                    self._outgoing.take_acknack(each)
                 case Heartbeat():
                     self._say(self._incoming.acknack(each.last))
                 case TimestampReply():

@@ -86,13 +86,13 @@ class Vehicle(Protocol):
     def is_due(self, now_us: int) -> bool:
         """Whether a topic is to be published."""
 
-    def published(self, now_us: int, offset_us: int) -> list[tuple[Row, bytes]]:
+    def take_samples(self, now_us: int, offset_us: int) -> list[tuple[Row, bytes]]:
         """The samples that are. ``offset_us``: from its clock to the agent's."""
 
     def take(self, topic: Topic, sample: bytes, offset_us: int) -> None:
         """A sample came."""
 
-    def synchronised(self, observed_us: int, offset_us: int, round_trip_us: int) -> None:
+    def notice_time(self, observed_us: int, offset_us: int, round_trip_us: int) -> None:
         """The agent has told the time."""
 
 
@@ -127,7 +127,7 @@ class Client:
 
     def _live(self) -> Generator[None, None, None]:
         while True:
-            while not (yield from self._asked(lambda: self.session.ping(GetInfo(PING_REQUEST, THE_AGENT)))):
+            while not (yield from self._ask(lambda: self.session.ping(GetInfo(PING_REQUEST, THE_AGENT)))):
                 pass
             stands = (yield from self._begin()) and (yield from self._make_everything())
             if stands:
@@ -144,13 +144,15 @@ class Client:
     def _begin(self) -> Waits:
         """A session is asked for, and the participant made."""
         for _ in range(ATTEMPTS):
-            if (yield from self._asked(lambda: self.session.begin(self._vehicle.key))):
+            if (yield from self._ask(lambda: self.session.begin(self._vehicle.key))):
                 break
         else:
             return False
         self._begun = True
         xml = PARTICIPANT.encode() + b"\0"
-        return (yield from self._made([Create(self.session.request(), PX4_PARTICIPANT, Kind.PARTICIPANT, XML, xml, 0)]))
+        return (
+            yield from self._create([Create(self.session.request(), PX4_PARTICIPANT, Kind.PARTICIPANT, XML, xml, 0)])
+        )
 
     def _make_everything(self) -> Waits:
         """The clock converges and the objects are made, in the order of the release."""
@@ -170,7 +172,7 @@ class Client:
                 group(request(), row.number, Kind.SUBSCRIBER),
                 reader(request(), row.number),
             ]
-            if not (yield from self._made(made)):
+            if not (yield from self._create(made)):
                 return False
             self._read_next = [ReadData(request(), row.number << 4 | Kind.READER)]
         for row in self._table.given:
@@ -179,14 +181,14 @@ class Client:
                 group(request(), row.number, Kind.PUBLISHER),
                 writer(request(), row.number),
             ]
-            if not (yield from self._made(made)):
+            if not (yield from self._create(made)):
                 return False
         service = replier(request(), FIRST_READER)
-        if not (yield from self._made([service])):
+        if not (yield from self._create([service])):
             return False
         return self.session.demand([ReadData(request(), service.object, RELIABLE)])
 
-    def _made(self, made: list[Create]) -> Waits:
+    def _create(self, made: list[Create]) -> Waits:
         """Objects are made, and their readers of the time before asked to read; whether the agent says yes to all."""
         self._statuses = {}
         if not self.session.demand([*self._read_next, *made]):
@@ -222,7 +224,7 @@ class Client:
             until = self._now_us + round(TURN * US)
             while self._now_us < until and not self._vehicle.is_due(self._now_us):
                 yield
-            for row, sample in self._vehicle.published(self._now_us, self._offset_us):
+            for row, sample in self._vehicle.take_samples(self._now_us, self._offset_us):
                 self.session.publish(row.number << 4 | Kind.WRITER, sample)
             while self._inbox:
                 self._read(self._inbox.popleft())
@@ -236,10 +238,10 @@ class Client:
             elif self._now_us - pinged_at > RATE_PERIOD * US:
                 pinged_at = self._now_us
                 missed = 0 if self._answered else missed + 1
-                yield from self._asked(lambda: self.session.say(GetInfo(PING_REQUEST, THE_AGENT)))
+                yield from self._ask(lambda: self.session.say(GetInfo(PING_REQUEST, THE_AGENT)))
             yield  # the next turn begins with what is published after this one
 
-    def _asked(self, ask: Callable[[], None]) -> Waits:
+    def _ask(self, ask: Callable[[], None]) -> Waits:
         """Whether the agent answers what it is asked."""
         self._answered = False
         ask()
@@ -289,7 +291,7 @@ class Client:
         if round_trip < SYNC_ROUND_TRIP * US:
             self._samples += 1
             self._offset_us = -observed
-        self._vehicle.synchronised(observed, -self._offset_us, round_trip)
+        self._vehicle.notice_time(observed, -self._offset_us, round_trip)
 
 
 def _us(time: bytes) -> int:

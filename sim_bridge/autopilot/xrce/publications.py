@@ -37,7 +37,7 @@ class Periodic:
         """Whether to publish."""
         return now_us // self._period_us != self._seen and now_us >= self._sent_us + self._interval_us
 
-    def sent(self, now_us: int) -> None:
+    def mark_sent(self, now_us: int) -> None:
         """It is published; a late one brings the next forward, by one interval at most."""
         self._seen = now_us // self._period_us
         self._sent_us = min(now_us, max(now_us - self._interval_us, self._sent_us + self._interval_us))
@@ -110,7 +110,7 @@ class Publications:
             or any(each.is_due(a, now_us) for each in self._on_change)
         )
 
-    def taken(self, now_us: int, offset_us: int) -> list[tuple[Row, bytes]]:
+    def take_due(self, now_us: int, offset_us: int) -> list[tuple[Row, bytes]]:
         """What to publish now, in the order of the table."""
         a = self._autopilot
         stamp = max(0, a.estimate.time_us + offset_us)
@@ -118,7 +118,7 @@ class Publications:
         self._queue.clear()
         for periodic in self._periodic:
             if periodic.is_due(now_us):
-                periodic.sent(now_us)
+                periodic.mark_sent(now_us)
                 ready.append((periodic.row, periodic.build(a, stamp)))
         for each in self._on_change:
             if each.is_due(a, now_us):

@@ -18,12 +18,12 @@ def replier(request: int, number: int) -> Create:
     """The object that replies."""
     text = b""
     for name in NAMES:
-        text = _appended(text, name)
+        text = _append(text, name)
     for name in TOPICS:
-        text = _appended(text + b"\x01", name)
+        text = _append(text + b"\x01", name)
     return Create(request, number << 4 | Kind.REPLIER, Kind.REPLIER, BINARY, text, PX4_PARTICIPANT)
 
 
-def _appended(text: bytes, name: str) -> bytes:
+def _append(text: bytes, name: str) -> bytes:
     data = name.encode() + b"\0"
     return text + bytes(-len(text) % 4) + len(data).to_bytes(4, "little") + data

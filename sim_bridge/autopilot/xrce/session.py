@@ -84,9 +84,9 @@ class Session:
             ready = list(message.submessages)
         else:
             ready = list(message.submessages)
-        return [each for each in ready if not self._kept_to_itself(each)]
+        return [each for each in ready if not self._handle(each)]
 
-    def _kept_to_itself(self, said: Submessage) -> bool:
+    def _handle(self, said: Submessage) -> bool:
         if isinstance(said, Acknack):
             if said.stream == RELIABLE:
                 self.outbox += self.reliable_out.take(said)

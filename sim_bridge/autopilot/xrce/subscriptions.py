@@ -58,9 +58,9 @@ class Subscriptions:
         except TopicError:
             return
         if fields is not None:
-            handler(fields, self._stamped(fields["timestamp"], offset_us))
+            handler(fields, self._written_at_us(fields["timestamp"], offset_us))
 
-    def _stamped(self, stamp: int, offset_us: int) -> int:
+    def _written_at_us(self, stamp: int, offset_us: int) -> int:
         """us of the vehicle's clock that a sample says it was written at: never the future; 0 is now."""
         now_us = round(self._autopilot.t * 1e6)
         return now_us if stamp == 0 else min(stamp - offset_us, now_us)

@@ -35,11 +35,11 @@ class XrceVehicle:
     def is_due(self, now_us: int) -> bool:
         return self._publications.is_due(now_us)
 
-    def published(self, now_us: int, offset_us: int) -> list[tuple[Row, bytes]]:
-        return self._publications.taken(now_us, offset_us)
+    def take_samples(self, now_us: int, offset_us: int) -> list[tuple[Row, bytes]]:
+        return self._publications.take_due(now_us, offset_us)
 
     def take(self, topic: Topic, sample: bytes, offset_us: int) -> None:
         self._subscriptions.take(topic, sample, offset_us)
 
-    def synchronised(self, observed_us: int, offset_us: int, round_trip_us: int) -> None:
+    def notice_time(self, observed_us: int, offset_us: int, round_trip_us: int) -> None:
         self._publications.tell_time(observed_us, offset_us, round_trip_us)
