@@ -10,6 +10,7 @@ from companion.cli.terminal import say
 from companion.config.plan.qgroundcontrol import plan_from
 from companion.flight.link_needs import RATE_WANTED
 from companion.library.orders import Sortie
+from companion.mavlink.upload import CURVE_POINTS
 from companion.mission import Origin
 from companion.places.origins import PlaceError, placed
 from companion.places.words import words_of_place
@@ -17,9 +18,6 @@ from companion.plain_text import printable
 from companion.services.audit import Finding, Weight, audit_parameters
 from companion.services.plan_check import differences
 from companion.services.vehicle import ConnectedVehicle, NoVehicleHeardError, ServiceError, connect_vehicle
-
-POINTS = 60
-"""of the curve that is uploaded for the ground station's map."""
 
 
 def preflight(url: str, sortie: Sortie | None, *, upload: bool, as_json: bool) -> int:
@@ -53,12 +51,12 @@ def _place(vehicle: ConnectedVehicle, sortie: Sortie, upload: bool) -> list[str]
         words += differences(plan_from(attached[1], attached[0])[0], attached[1], vehicle.read_plan(attached[1]))
     if upload:
         assert where.frame is not None
-        _, points = mission.table.samples(POINTS)
+        _, points = mission.table.samples(CURVE_POINTS)
         curve = [(float(x), float(y), float(z)) for x, y, z in points]
         vehicle.upload(curve, mission.fence_n, where.frame)
         areas = 0 if mission.fence_n is None else len(mission.fence_n.areas)
         fence = f", and a fence of {areas} area{'' if areas == 1 else 's'}" if areas else ""
-        words.append(f"uploaded: the curve as {POINTS} waypoints{fence}")
+        words.append(f"uploaded: the curve as {CURVE_POINTS} waypoints{fence}")
     return words
 
 

@@ -20,11 +20,12 @@ from companion.daemon.serial import SerialPort, known_rate
 from companion.mavlink.peer import Received, Source, source_words
 
 RECEIVE_BUFFER = 1 << 20
-"""bytes. The default holds 256 small datagrams: a quarter of a second of a busy link."""
+"""bytes. The default holds 256 small datagrams: a quarter of a second of a busy link. Engineering choice."""
 DATAGRAM_MAX = 65535
 """bytes: the most UDP carries."""
 BATCH_MAX = 4096
-"""Datagrams that are drained before the newest state is acted on: more than the buffer holds after any stall."""
+"""Datagrams that are drained before the newest state is acted on: more than the buffer holds after any stall.
+Engineering choice."""
 
 EXPECTED = "expected udpin://HOST:PORT, udpout://HOST:PORT or serial:///dev/NAME:BAUD"
 """What an address looks like."""

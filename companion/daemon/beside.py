@@ -15,9 +15,10 @@ from companion.xrce.commands import Commands
 from companion.xrce.framing import AGENT, CLIENT, Deframer, framed
 
 GONE_AFTER = 3.0
-"""s of silence after which another client may take the place of the one that was heard: PX4 pings every second."""
+"""s of silence after which another client may take the place of the one that was heard: PX4 pings every second.
+Engineering choice: three pings."""
 REOPENED_WITHIN = 0.05
-"""s between two looks at a line that is unplugged."""
+"""s between two looks at a line that is unplugged. Engineering choice."""
 
 
 class XrceLink:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from urllib.parse import parse_qs, urlsplit
 
-from companion.daemon.address import address_of
+from companion.daemon.address import DATAGRAM_MAX, address_of
 from companion.daemon.port import AddressError
 from companion.daemon.scribe import Helper
 from companion.mavlink.codec import MAGIC_V2, Decoder
@@ -24,16 +24,15 @@ EXPECTED = "expected udpout://HOST:PORT[?max_hz=HZ][&commands=yes|no]"
 PERIOD = 0.01
 """s between two looks of the thread (engineering choice: what a ground station does not notice)."""
 DOWN_MAX = 2000
-"""Frames of the vehicle that wait for the endpoints at most; the oldest is dropped."""
+"""Frames of the vehicle that wait for the endpoints at most; the oldest is dropped. Engineering choice."""
 UP_MAX = 200
-"""Frames of the endpoints that wait for the vehicle at most; what comes then is dropped."""
+"""Frames of the endpoints that wait for the vehicle at most; what comes then is dropped. Engineering choice."""
 UP_RATE, UP_BURST = 4000.0, 4000.0
 """bytes/s, and bytes at once, of one endpoint to the vehicle: most of a 57600 baud line (engineering choice)."""
 UP_A_TURN = 2
-"""Frames that the control thread sends on after a setpoint."""
-DATAGRAM_MAX = 65535
+"""Frames that the control thread sends on after a setpoint. Engineering choice."""
 DATAGRAMS_A_LOOK = 100
-"""Of one endpoint: a flood waits in its socket, or is lost there."""
+"""Of one endpoint: a flood waits in its socket, or is lost there. Engineering choice."""
 THINNED = frozenset(message(name).id for name in (
     "GPS_RAW_INT", "ATTITUDE", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT", "RC_CHANNELS",
     "VFR_HUD", "ATTITUDE_TARGET", "POSITION_TARGET_LOCAL_NED", "HIGHRES_IMU", "SCALED_IMU2", "ALTITUDE",

@@ -12,8 +12,8 @@ from companion.mavlink.codec import Frame
 from companion.mavlink.dialect import Format, Value
 from companion.mavlink.own_parameters import WANTED as OWN_WANTED
 from companion.mavlink.own_parameters import Own, OwnParameters
+from companion.mavlink.upload import CURVE_POINTS, Place, Upload
 from companion.mavlink.upload import WANTED as UPLOAD_WANTED
-from companion.mavlink.upload import Place, Upload
 from companion.mavlink_common import MAV_COMP_ID_ONBOARD_COMPUTER, MavSeverity
 from companion.pilot import Memory, Outcome, yaw_error
 from companion.plan import Plan
@@ -23,8 +23,6 @@ from companion.vehicle import CompanionError
 
 SPEED_SCALE = "PF_SPEED_SCALE"
 SAFE_WHEN = "it can be set only while the vehicle does not fly on our setpoints"
-POINTS = 60
-"""Waypoints of a drawn curve."""
 WANTED = OWN_WANTED | UPLOAD_WANTED
 
 
@@ -92,7 +90,7 @@ class GroundSide:
 
     def draw(self, plan: Plan, frame: LocalFrame, system: int) -> None:
         """Put the curve on the ground station's map."""
-        _, points = plan.table.samples(POINTS)
+        _, points = plan.table.samples(CURVE_POINTS)
         places = [Place(*frame.to_global((float(x), float(y), float(z)))) for x, y, z in points]
         self._upload = Upload(self._send, places, system)
 

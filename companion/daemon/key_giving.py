@@ -8,11 +8,11 @@ from companion.mavlink.counters import Counters
 from companion.mavlink.key_setup import KeySetup
 
 HEARTBEAT_WITHIN = 10.0
-"""s in which a vehicle must be heard."""
+"""s in which a vehicle must be heard; it speaks every second. Engineering choice."""
 WITHIN = 20.0
-"""s in which it must have answered."""
+"""s in which it must have answered. Engineering choice."""
 TURN = 0.1
-"""s of waiting at most."""
+"""s of waiting at most. Engineering choice."""
 
 
 def give_key(setup: KeySetup, port: Port) -> None:

@@ -26,11 +26,11 @@ from companion.mavlink.peer import Received
 from companion.vehicle import Mode, Setpoint, VehicleState
 
 ASKING = 1.4
-"""s for which HOLD is asked for, three times at most (``flight.asking``)."""
+"""s for which HOLD is asked for, three times at most (``flight.asking``). Issue 11, rule 2: within 1.5 s."""
 RESTORING = 2.0
-"""s for the parameters that were set for the flight to be set back."""
+"""s for the parameters that were set for the flight to be set back. Engineering choice."""
 STEP = 0.02
-"""s between two looks where nothing arrives: a level setpoint is computed anew each time."""
+"""s between two looks where nothing arrives: a level setpoint is computed anew each time. Engineering choice."""
 T = TypeVar("T")
 
 

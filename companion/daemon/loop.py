@@ -33,9 +33,10 @@ from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
 
 SWITCH_INTERVAL = 5e-5
-"""s that another Python thread may keep the control thread waiting; Python's default of 5 ms is a whole period."""
+"""s that another Python thread may keep the control thread waiting; Python's default of 5 ms is a whole period.
+Engineering choice."""
 IDLE_MAX = 0.1
-"""s of waiting at most, to see signals and time-outs."""
+"""s of waiting at most, to see signals and time-outs. Engineering choice."""
 
 
 class NoVehicleError(CompanionError):

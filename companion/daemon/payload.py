@@ -15,8 +15,6 @@ from companion.mavlink.requests import Command, Requests
 from companion.mavlink_common import MavResult
 from companion.mission import PathAction
 
-ANSWER_WITHIN = requests.ANSWER_WITHIN
-
 
 @dataclass
 class Payload:
@@ -50,12 +48,12 @@ class Payload:
 
     def on_timer(self, now: float) -> None:
         """Give up what was not answered."""
-        while self._waiting and now >= self._waiting[0][2] + ANSWER_WITHIN:
+        while self._waiting and now >= self._waiting[0][2] + requests.ANSWER_WITHIN:
             self._fail(self._waiting.pop(0)[0], "no answer")
 
     def next_timer(self) -> float:
         """When ``on_timer`` has something to do."""
-        return self._waiting[0][2] + ANSWER_WITHIN if self._waiting else math.inf
+        return self._waiting[0][2] + requests.ANSWER_WITHIN if self._waiting else math.inf
 
     def finish(self) -> None:
         """Say what came of it all."""

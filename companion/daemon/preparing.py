@@ -24,19 +24,20 @@ from companion.xrce.commands import Commands
 from companion.xrce.flight_mode import level_refused
 
 PLACE_WITHIN = 30.0
-"""s after its first heartbeat within which the vehicle must know where it is, where the mission asks for that."""
+"""s after its first heartbeat for the vehicle to know where it is, if the mission asks for that. Engineering choice."""
 MISSING_SAID_AFTER, GIVEN_UP_AFTER = 5.0, 60.0
-"""s after which what the vehicle has not said is named, and after its first heartbeat the flight is given up."""
+"""s after which what the vehicle has not said is named, and after its first heartbeat the flight is given up. Issue 11,
+rule 10: named within 10 s; engineering choice."""
 IDENTITY_WITHIN = 5.0
-"""s after its first heartbeat within which the vehicle must say what it can do, where that matters."""
+"""s after its first heartbeat for the vehicle to say what it can do, where that matters. Engineering choice."""
 HOME_ALTITUDE_AGREES = 1.0
-"""m within which the home that a plan was read with and the vehicle's must lie equally high, where that matters."""
+"""m by which the home of a plan and the vehicle's may differ in height, where that matters. Engineering choice."""
 FLOOR = 1.0
-"""m above the ground: the floor where none was ordered."""
+"""m above the ground: the floor where none was ordered. Engineering choice."""
 UNDER_THE_PATH = 0.5
-"""m the floor stays below the lowest point of the path at least."""
+"""m the floor stays below the lowest point of the path at least. Engineering choice."""
 SAMPLES = 200
-"""points of the path among which the lowest is looked for."""
+"""points of the path among which the lowest is looked for. Engineering choice."""
 
 
 @dataclass

@@ -10,9 +10,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 PRIORITY = 50
-"""SCHED_FIFO of the control thread: before all normal work, behind the kernel's own threads."""
+"""SCHED_FIFO of the control thread: before all normal work, behind the kernel's own threads. Engineering choice."""
 HELPER_PRIORITY = 40
-"""Of a thread that shares the interpreter's lock with it: if other work held that thread up, it would hold the lock."""
+"""Of a thread that shares the interpreter's lock with it: if other work held that thread up, it would hold the lock.
+Engineering choice."""
 _MCL_CURRENT = 1
 """mlockall(2): pages that are mapped."""
 _MCL_FUTURE = 2

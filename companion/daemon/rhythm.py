@@ -13,17 +13,18 @@ import math
 PHASE_GAIN, PERIOD_GAIN, MEAN_GAIN = 0.2, 0.02, 0.05
 """What one arrival changes of the due time, of the period, of the other means."""
 MARGIN = 8e-5
-"""s that the last warm-up ends before a state is due, beside the usual deviation."""
+"""s that the last warm-up ends before a state is due, beside the usual deviation. Engineering choice."""
 WATCH_MAX = 4e-4
-"""s of asking the link without sleeping, at most: a tenth of a core at 250 Hz."""
+"""s of asking the link without sleeping, at most: a tenth of a core at 250 Hz. Engineering choice."""
 WARM_UPS = 4
-"""The first finds everything cold, and one falls out where the waking is late; the third is as quick as it gets."""
+"""The first finds everything cold, and one falls out where the waking is late; the third is as quick as it gets.
+Engineering choice."""
 WARM_UP_TIME_MAX = 0.25
-"""Of the period, for all warm-ups. A machine on which not even one fits has no time for them."""
+"""Of the period, for all warm-ups. A machine on which not even one fits has no time for them. Engineering choice."""
 REGULAR = 0.08
-"""A rhythm is one while states keep to it within this share of the period, in the mean."""
+"""A rhythm is one while states keep to it within this share of the period, in the mean. Engineering choice."""
 PERIOD_MIN, PERIOD_MAX = 5e-4, 0.1
-"""s: what comes quicker is a burst, what comes slower needs no hurry."""
+"""s: what comes quicker is a burst, what comes slower needs no hurry. Engineering choice."""
 ODD, ODD_MAX = 0.25, 20
 """States in a row that are out of step by so much of a period, or by periods, after which the rhythm is another one."""
 

@@ -19,17 +19,18 @@ from companion.daemon.systemd import Service
 from companion.record.folder import Recorder
 
 PERIOD = 0.25
-"""s between two looks of either thread."""
+"""s between two looks of either thread. Engineering choice."""
 SYNC_PERIOD = 0.75
-"""s between two syncs: with PERIOD and the sync itself a power cut costs less than two seconds of the record."""
+"""s between two syncs: with PERIOD and the sync itself a power cut costs less than two seconds of the record. Issue 11,
+rule 7."""
 PROGRESS_PERIOD = 1.0
-"""s between two lines of progress."""
+"""s between two lines of progress. Engineering choice."""
 LINES_WAITING = 1000
-"""Lines that wait for a screen at most; the oldest is dropped."""
+"""Lines that wait for a screen at most; the oldest is dropped. Engineering choice."""
 NOTES = 5
-"""Lines that another terminal is shown of what was said."""
+"""Lines that another terminal is shown of what was said. Engineering choice."""
 DISK_PATIENCE, SCREEN_PATIENCE = 5.0, 2.0
-"""s that the end of a flight waits for either of them."""
+"""s that the end of a flight waits for either of them. Engineering choice."""
 
 
 class Helper(threading.Thread):

@@ -16,9 +16,9 @@ from companion.daemon.port import AddressError
 from companion.mavlink.peer import LINE, Received, Source
 
 CHUNK_MAX = 65536
-"""bytes read at once: more than any line's buffer."""
+"""bytes read at once: more than any line's buffer. Engineering choice."""
 REOPEN_AFTER = 0.5
-"""s between two attempts to open a line again that was unplugged."""
+"""s between two attempts to open a line again that was unplugged. Engineering choice."""
 
 
 class SerialPort:

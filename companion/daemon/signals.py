@@ -21,7 +21,7 @@ INTERRUPTED = 130
 ONE_PRESS = 0.05
 """s within which signals count as one: ``timeout`` sends its own twice (engineering choice)."""
 LEAVE_WITHIN = 0.2
-"""s for the last things of a process that ends at once; 0.5 s are promised."""
+"""s for the last things of a process that ends at once; 0.5 s are promised. Issue 11, rule 3."""
 CTRL_Z = (
     "Ctrl-Z does nothing in a flight: a stopped companion sends no setpoints. Ctrl-C hands the vehicle back; a second "
     "one ends the companion at once"

@@ -20,7 +20,7 @@ from companion.vehicle import CompanionError
 
 SCHEMA = "companion.signing/1"
 PERIOD = 1.0
-"""s between two times that the stamps are written."""
+"""s between two times that the stamps are written. Engineering choice."""
 AHEAD = round(2.0 * PERIOD / TICK)
 """Ticks that the stamps are written ahead of what was used, so that a power cut takes none back."""
 

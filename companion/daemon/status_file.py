@@ -22,14 +22,14 @@ SCHEMA = "companion.status/1"
 LIVE, PATH = ".live", ".path"
 """What lies beside a status file: see ``live``."""
 SILENT_AFTER = 5.0
-"""s without a new word after which a running companion hangs."""
+"""s without a new word after which a running companion hangs. Engineering choice."""
 
 PID_MAX = 1 << 22
 """Linux's largest process number (proc(5), pid_max)."""
 TIME_MAX = 1e11
-"""s since 1970: what is later was not written by a clock."""
+"""s since 1970: what is later was not written by a clock. Engineering choice."""
 FILES_MAX = 100
-"""Files of one directory that are looked at."""
+"""Files of one directory that are looked at. Engineering choice."""
 
 
 def _temporary_directory() -> str:

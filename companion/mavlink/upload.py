@@ -14,10 +14,12 @@ from companion.mavlink_common import MAV_CMD_NAV_WAYPOINT, MAV_FRAME_GLOBAL_INT
 COUNT, ITEM, ACK = message("MISSION_COUNT"), message("MISSION_ITEM_INT"), message("MISSION_ACK")
 REQUEST_INT, REQUEST = message("MISSION_REQUEST_INT"), message("MISSION_REQUEST")
 WANTED = frozenset({REQUEST_INT.id, REQUEST.id, ACK.id})
+CURVE_POINTS = 60
+"""Waypoints of a curve that is drawn on a ground station's map. Engineering choice."""
 RETRY_AFTER = 1.0
-"""s without a request for the next item."""
+"""s without a request for the next item. Engineering choice."""
 TRIES = 5
-"""before an upload is given up."""
+"""Tries before an upload is given up. Engineering choice."""
 RESULTS = {0: "accepted", 1: "refused", 2: "frame not supported", 3: "not supported", 4: "no room", 5: "invalid",
            13: "out of sequence", 14: "denied", 15: "cancelled"}  # fmt: skip
 """MAV_MISSION_RESULT in words."""
