@@ -123,7 +123,7 @@ def test_a_pilot_that_fails_in_the_air(udp: bool, tmp_path: Path, monkeypatch: p
 @pytest.mark.parametrize(
     ("owner", "name", "calls"),
     [(pilot, "supervise", 400), (Conductor, "receive", 500), (Conductor, "take_in", 500), (Conductor, "on_timer", 10),
-     (Conductor, "sent", 500), (Conductor, "datagrams", 2000), (Conductor, "_conclude", 1500)],
+     (Conductor, "finish_tick", 500), (Conductor, "datagrams", 2000), (Conductor, "_conclude", 1500)],
 )  # fmt: skip
 def test_whatever_fails_the_vehicle_is_handed_back(
     owner: Any, name: str, calls: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -134,7 +134,10 @@ def test_whatever_fails_the_vehicle_is_handed_back(
     assert f"the companion itself failed (ZeroDivisionError: {name} at" in json.loads(result.stdout)["reason"]
     assert "Traceback" not in result.stderr
     assert "ZeroDivisionError" in (tmp_path / "flight" / "failure.txt").read_text()
-    if name not in ("sent", "datagrams"):  # where nothing can be sent or recorded any more, PX4's own failsafe acts
+    if name not in (
+        "finish_tick",
+        "datagrams",
+    ):  # where nothing can be sent or recorded any more, PX4's own failsafe acts
         modes = [f for _, f in sent(tmp_path / "flight") if f.format.name == "COMMAND_LONG"
                  and f.format.named(f.values)["command"] == SET_MODE]  # fmt: skip
         assert modes[-1].format.named(modes[-1].values)["param3"] == 3.0
@@ -212,7 +215,7 @@ def fail(*_: object) -> None:
 
 def test_what_fails_between_two_ticks_is_caught_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The rhythm, the warm-up, systemd: in the control thread, outside of the conductor's doors."""
-    fail_after(monkeypatch, Rhythm, "arrived", 150)
+    fail_after(monkeypatch, Rhythm, "add_arrival", 150)
     result = sim(tmp_path / "flight", "--udp")
     assert result.exit_code == 1
     assert ": HOLD was asked for, and the vehicle is in Hold; " in json.loads(result.stdout)["reason"]

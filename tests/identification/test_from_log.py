@@ -78,7 +78,7 @@ def test_a_log_of_px4s_own_simulation_is_read(tmp_path: Path) -> None:
 @pytest.fixture
 def fitted_once(found: Findings, monkeypatch: pytest.MonkeyPatch) -> None:
     """The fit takes seconds; what becomes of it is what is looked at."""
-    monkeypatch.setattr("companion.cli.vehicle_making.identified", lambda log: found)
+    monkeypatch.setattr("companion.cli.vehicle_making.identify", lambda log: found)
 
 
 @pytest.mark.usefixtures("fitted_once")
