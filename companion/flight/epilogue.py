@@ -28,20 +28,23 @@ ADVICE_AFTERWARDS: dict[Phase, str] = {
 }
 """Where the vehicle did not do the last things of a flight."""
 
+UNHEARD = frozenset({Event.SILENT, Event.STALE, Event.STATUS_LOST})
+"""What became of the last request was not heard."""
+
 LEFT_ALONE = frozenset({Event.TAKEN_OVER, Event.FAILSAFE, Event.DISARMED_EXTERNALLY})
 """Somebody else decided."""
 
 
 class Done(NamedTuple):
-    """What was done: OFFBOARD was ``begun``, which may have been taken unheard; ``flew`` in it on our setpoints;
-    ``armed`` by us; ``left``: it was seen to go on by itself; HOLD ``hold_asked`` times, ``hold_accepted`` or not."""
+    """What was done in a flight, as far as it was heard."""
 
-    begun: bool = False
-    flew: bool = False
-    armed: bool = False
-    left: bool = False
-    hold_asked: int = 0
+    begun: bool = False  # OFFBOARD was asked for, which may have been taken unheard
+    flew: bool = False  # in OFFBOARD, on our setpoints
+    armed: bool = False  # by us
+    left: bool = False  # it was seen to go on by itself
+    hold_asked: int = 0  # times
     hold_accepted: bool = False
+    arm_asked: bool = False  # which may have been taken unheard
 
 
 def sentence(fault: str, event: Event, advice: str | None, last: Event, mode: Mode | None, done: Done) -> str:
@@ -56,6 +59,8 @@ def sentence(fault: str, event: Event, advice: str | None, last: Event, mode: Mo
 def _fate(event: Event, last: Event, where: str, done: Done) -> str:
     """What became of the flight."""
     if not done.flew and not done.armed:
+        if done.arm_asked and not done.begun and event in UNHEARD:
+            return "it had been asked to arm and may have done so unheard"
         if not done.begun or event is Event.REFUSED:
             return "nothing was flown"
         return f"OFFBOARD had been asked for, setpoints have stopped, and the vehicle was last heard in {where}"

@@ -270,6 +270,8 @@ def _request(moment: Moment, memory: Memory) -> tuple[Memory, Request | None, bo
         return memory, None, False  # a failsafe that flies is left alone; on the ground OFFBOARD is ended for good
     lost = memory.last_event is Event.STALE
     later, sent = update_asking(asking, memory.request.answer, status, memory.phase, now, lost=lost)
+    if sent and asking.request is Request.ARM and not memory.done.arm_asked:
+        memory = memory._replace(done=memory.done._replace(arm_asked=True))
     if sent and asking.request is Request.OFFBOARD and not memory.done.begun:
         memory = memory._replace(done=memory.done._replace(begun=True))
     if sent and asking.request is Request.HOLD:

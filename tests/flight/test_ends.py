@@ -59,6 +59,8 @@ def test_a_stop_disarms_what_stands_and_holds_what_flies() -> None:
         (Event.TIMED_OUT, Event.TIMED_OUT, Done(), "nothing was flown"),
         (Event.STALE, Event.HELD, Done(begun=True), "OFFBOARD had been asked for, setpoints have stopped"),
         (Event.REFUSED, Event.HELD, Done(begun=True), "nothing was flown"),
+        (Event.SILENT, Event.SILENT, Done(arm_asked=True), "it had been asked to arm and may have done so unheard"),
+        (Event.TIMED_OUT, Event.TIMED_OUT, Done(arm_asked=True), "nothing was flown"),
         (Event.SILENT, Event.SILENT, Done(armed=True), "the vehicle was armed, was last heard in Land"),
         (Event.SILENT, Event.SILENT, Done(True, True, True, True), "the vehicle was last heard in Land, and nothing more"),
         (Event.STALE, Event.TIMED_OUT, Done(True, True), "setpoints have stopped, and the autopilot's own failsafe acts"),
