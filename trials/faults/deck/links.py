@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from companion.flight.conduct import Finish
 from companion.flight.phases import Phase
+from companion.vehicle import OutputLevel
 from companion.world import Link, Way
 from companion.world.events import (
     Event,
@@ -58,7 +59,9 @@ OTHERS_TWICE = (
 
 AGAIN = (
     Case("the last ODOMETRY again for ever", End.HELD, "no state|new state|stamp", phase=Phase.FOLLOW, within=0.5,
-         events=(LinkRepeat(When(2.0), messages=ODOMETRY),)),
+         events=(LinkRepeat(When(2.0), messages=ODOMETRY),), levels=LEVELS[:2]),
+    Case("the last ODOMETRY again for ever at motors, and PX4 lands", End.ENDED, phase=Phase.FOLLOW, within=0.5,
+         events=(LinkRepeat(When(2.0), messages=ODOMETRY),), parameters={"COM_OBL_RC_ACT": 4}, levels=LEVELS[2:]),
     Case("the last ODOMETRY again for ever, while settling", End.HELD, "no state|new state|stamp", within=0.5,
          phase=Phase.SETTLE, events=(LinkRepeat(When(0.1), messages=ODOMETRY),)),
     Case("the last ODOMETRY again for 0.15 s", End.FLOWN, phase=Phase.FOLLOW,
@@ -132,7 +135,9 @@ CUT = (
          parameters={"COM_OBL_RC_ACT": 4}, says="HOLD was not answered", time_out=60.0),
     Case("the uplink cut for 0.15 s", End.FLOWN, phase=Phase.FOLLOW, events=(up(2.0, 2.15),)),
     Case("the uplink cut for 1 s, and PX4 lands", End.ENDED, phase=Phase.FOLLOW, events=(up(2.0, 3.0),),
-         parameters={"COM_OBL_RC_ACT": 4}),
+         parameters={"COM_OBL_RC_ACT": 4}, levels=(OutputLevel.RATES, OutputLevel.MOTORS)),
+    Case("the uplink cut for 1 s at attitude, where PX4 waits as long", End.FLOWN, phase=Phase.FOLLOW,
+         events=(up(2.0, 3.0),), parameters={"COM_OBL_RC_ACT": 4}, levels=(OutputLevel.ATTITUDE,)),
     Case("the uplink cut in arm", End.ENDED, phase=Phase.ARM, begin=Begin.ON_THE_GROUND, events=(up(),)),
     Case("the uplink cut in take over", End.ENDED, phase=Phase.TAKE_OVER, events=(up(),)),
 )  # fmt: skip

@@ -58,7 +58,10 @@ HALF_A_LINK = (
     *(ordered(order, (phase, t + 1.1, begin, finish), down(t), cut=", the downlink cut 1.1 s before", watched_for=4.0)
       for order, (phase, t, begin, finish) in (
           (Order.LAND, TAKE_OFF), (Order.LAND, TAKE_OVER), (Order.LAND, JOIN), (Order.LAND, FOLLOW),
-          (Order.RETURN, FOLLOW), (Order.LAND, HAND_BACK))),
+          (Order.RETURN, FOLLOW))),
+    # in real time HOLD may be accepted before the link is cut
+    ordered(Order.LAND, (Phase.HAND_BACK, 1.1, *HAND_BACK[2:]), down(), cut=", the downlink cut 1.1 s before",
+            watched_for=4.0, or_end=(End.FLOWN,)),
     ordered(Order.HOLD, (Phase.LAND, 1.5, *LAND[2:]), down(1.0), cut=", the downlink cut"),
     Case("the operator lands in abort, the downlink cut", End.HELD, or_end=(End.OPERATORS,), phase=Phase.FOLLOW,
          watched_for=4.0, events=(down(1.0), at(1.35, Order.LAND))),

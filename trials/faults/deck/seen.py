@@ -11,7 +11,8 @@ SEEN: dict[str, tuple[str, ...]] = {
         "stamps always 0", "stamps always 0, on the ground", "stamps in ms", "stamps in ms, on the ground",
     ),
     "the last ODOMETRY again for ever": (
-        "the last ODOMETRY again for ever", "the last ODOMETRY again for ever, while settling",
+        "the last ODOMETRY again for ever", "the last ODOMETRY again for ever at motors, and PX4 lands",
+        "the last ODOMETRY again for ever, while settling",
     ),
     "the state later and later, no gap": (
         "the state later and later, 0.1 s a second", "only ODOMETRY later and later, 0.1 s a second",

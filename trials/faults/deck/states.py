@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from companion.flight.phases import Phase
+from companion.vehicle import OutputLevel
 from companion.world.events import (
     ClockJump,
     EstimatorReset,
@@ -19,7 +20,7 @@ from companion.world.events import (
     When,
     WrongStamps,
 )
-from trials.faults.case import BEFORE_FLIGHT, Begin, Case, End
+from trials.faults.case import BEFORE_FLIGHT, LEVELS, Begin, Case, End
 
 NOISE = 1e-6
 HUGE = 3e38
@@ -40,7 +41,12 @@ STAMPS = (
     *(Case(f"stamps {words} from the middle of the path on", End.HELD, phase=Phase.FOLLOW, within=0.5,
            events=(WrongStamps(When(2.0), stamps),))
       for stamps, words in (
-          (Stamps.ZERO, "0"), (Stamps.MILLISECONDS, "in ms"), (Stamps.HUGE, "near 2^64"), (Stamps.FROZEN, "frozen"))),
+          (Stamps.ZERO, "0"), (Stamps.MILLISECONDS, "in ms"), (Stamps.HUGE, "near 2^64"))),
+    Case("stamps frozen from the middle of the path on", End.HELD, phase=Phase.FOLLOW, within=0.5,
+         events=(WrongStamps(When(2.0), Stamps.FROZEN),), levels=LEVELS[:2]),
+    Case("stamps frozen from the middle of the path on at motors, and PX4 lands", End.ENDED, phase=Phase.FOLLOW,
+         within=0.5, events=(WrongStamps(When(2.0), Stamps.FROZEN),), parameters={"COM_OBL_RC_ACT": 4},
+         levels=LEVELS[2:]),
     Case("one stamp near 2^64", End.FLOWN, phase=Phase.FOLLOW, events=(WrongStamps(When(2.0, 2.0 + STEP), Stamps.HUGE),)),
     Case("the clock jumps 3 s ahead", End.HELD, "clock", phase=Phase.FOLLOW, within=0.5,
          events=(ClockJump(When(2.0, 2.0), 3.0),)),
@@ -75,9 +81,13 @@ STANDING = (
     *(Case(f"{part.value} frozen but for 1e-6 of noise, joining", End.HELD, phase=Phase.JOIN, tilt_max=45.0,
            begin=Begin.BESIDE, events=(FrozenState(When(1.5), part, NOISE),))
       for part in (Part.POSITION, Part.ATTITUDE)),
-    *(Case(f"{part.value} frozen but for 1e-3 of noise", End.HELD, phase=Phase.FOLLOW, within=1.5, tilt_max=45.0,
-           events=(FrozenState(When(2.0), part, 1e-3),))
-      for part in (Part.POSITION, Part.ATTITUDE)),
+    Case("position frozen but for 1e-3 of noise", End.HELD, phase=Phase.FOLLOW, within=1.5, tilt_max=45.0,
+         events=(FrozenState(When(2.0), Part.POSITION, 1e-3),)),
+    Case("attitude frozen but for 1e-3 of noise", End.HELD, phase=Phase.FOLLOW, within=1.5, tilt_max=45.0,
+         events=(FrozenState(When(2.0), Part.ATTITUDE, 1e-3),), levels=(OutputLevel.RATES, OutputLevel.MOTORS)),
+    Case("attitude frozen but for 1e-3 of noise, at attitude, where PX4 holds what is sent", End.HELD,
+         phase=Phase.FOLLOW, tilt_max=45.0, or_end=(End.FLOWN,), events=(FrozenState(When(2.0), Part.ATTITUDE, 1e-3),),
+         levels=(OutputLevel.ATTITUDE,)),
     *(Case(f"{part.value} frozen for 0.15 s", End.FLOWN, phase=Phase.FOLLOW,
            events=(FrozenState(When(2.0, 2.15), part, 0.0),))
       for part in (Part.POSITION, Part.ATTITUDE)),
