@@ -25,6 +25,9 @@ ANSWER_WITHIN = 5.0
 DISARMED_FOR = 0.25
 """s after ARM was accepted, or disarming began, from which on a heartbeat that says disarmed was sent later
 (engineering choice: two times the longest way that is flown with)."""
+GAP_TOLD = 0.1
+"""s without a new state that are told as what may be behind a failsafe: PX4 acts on lost setpoints after 0.1 s at
+motors (COM_OF_LOSS_T), and without a state there is none."""
 CONFIRM_WITHIN = 1.5
 """s after an accepted mode change within which telemetry must show it. Engineering choice: PX4's heartbeat alone is
 1 Hz."""
@@ -84,7 +87,9 @@ def failsafe(s: Situation) -> str | None:
         return None
     if s.phase not in FLOWN:
         return f"a failsafe of the vehicle flies it in {mode_words(s)} now"
-    return f"the vehicle left OFFBOARD by itself, for {mode_words(s)} (a failsafe)"
+    gap = without_state(s)
+    behind = f", after no new state had come from it for {gap:.2f} s" if gap > GAP_TOLD else ""
+    return f"the vehicle left OFFBOARD by itself, for {mode_words(s)} (a failsafe){behind}"
 
 
 def disarmed_externally(s: Situation) -> str | None:
@@ -98,9 +103,13 @@ def disarmed_externally(s: Situation) -> str | None:
     return "the vehicle was disarmed after ARM was accepted" if accepted and later else None
 
 
+def without_state(s: Situation) -> float:
+    """s without a new state."""
+    return s.now - (s.entered if s.state_at is None else s.state_at)
+
+
 def stale(s: Situation) -> str | None:
-    since = s.entered if s.state_at is None else s.state_at
-    silent = s.now - since
+    silent = without_state(s)
     if silent <= STATE_AGE_MAX:
         return None
     if s.unusable is None and s.late > 0.5 * STATE_AGE_MAX:

@@ -101,7 +101,10 @@ def test_a_failsafe_is_left_alone_and_offboard_let_go_of() -> None:
     decision = decide(situation(Phase.FOLLOW, status=FLYING._replace(mode=Mode.HOLD)))
     assert decision is not None
     assert decision[0] is Phase.RELEASE
-    assert "failsafe" in decision[2]
+    assert decision[2].endswith("(a failsafe)")
+    starved = situation(Phase.FOLLOW, status=FLYING._replace(mode=Mode.HOLD))
+    told = decide(starved._replace(state_at=starved.now - 0.15))
+    assert told is not None and told[2].endswith("after no new state had come from it for 0.15 s")
     returning = FLYING._replace(mode=Mode.RETURN, failsafe=True)
     assert decide(situation(Phase.RELEASE, status=returning)) is None
     assert decide(situation(Phase.ABORT, status=returning)) is None  # HOLD was asked for and is not there yet
