@@ -62,7 +62,7 @@ JUMP_VELOCITY = 0.5
 """m/s of innovation from which on it may be a jump. Engineering choice."""
 JUMP_SIGMAS = 10.0
 """Number of standard deviations of the innovation from which on it is a jump. Engineering choice."""
-VERTICAL_DISTURBANCE_USUAL = 0.4
+VERTICAL_DISTURBANCE_USUAL = 0.28
 """m/s^2: 2.5 standard deviations of the vertical D + W; what is beyond is taken for a change of the thrust scale.
 Engineering choice."""
 THRUST_SCALE_JUMP_TIME = 0.3
