@@ -79,6 +79,10 @@ def left_offboard(s: Situation) -> str | None:
 def taken_over(s: Situation) -> str | None:
     if s.authority is ControlAuthority.PILOT or not elsewhere(s) or by_itself(s):
         return None
+    if s.status.mode is Mode.OFFBOARD:
+        return (
+            f"in {s.phase.value} the vehicle says Offboard again: somebody selected it, or an old word came once more"
+        )
     return f"the operator took over: the mode is {mode_words(s)} now"
 
 

@@ -95,6 +95,9 @@ def test_a_fault_wins_over_progress() -> None:
 def test_a_human_who_changes_the_mode_wins() -> None:
     decision = decide(situation(Phase.FOLLOW, status=FLYING._replace(mode=Mode.POSITION, intended=Mode.POSITION)))
     assert decision == (Phase.DONE, Event.TAKEN_OVER, "the operator took over: the mode is Position now")
+    again = decide(situation(Phase.RETURN, status=FLYING))
+    assert again is not None and again[1] is Event.TAKEN_OVER
+    assert "Offboard again" in again[2]
 
 
 def test_a_failsafe_is_left_alone_and_offboard_let_go_of() -> None:
