@@ -275,12 +275,10 @@ class Conductor:
 
     def _prepare(self, state: VehicleState | None, now: float) -> None:
         """Make the plan once the vehicle is known and has said where it is."""
-        if self._stop:
-            self.preparation.refusal = "stopped by the user before the flight began"
-        else:
-            self.plan = self.preparation.plan(self.orders, state, now)
-        if self.refusal is not None:
-            self._decline(self.refusal, now)
+        self.plan = None if self._stop else self.preparation.plan(self.orders, state, now)
+        reason = "stopped by the user before the flight began" if self._stop else self.refusal
+        if reason is not None:
+            self._decline(reason, now)
         if self.plan is None:
             return
         self.memory = pilot.begin(now)
@@ -292,9 +290,10 @@ class Conductor:
             self.ground.draw(self.plan, LocalFrame(*origin), identity.system)
 
     def _decline(self, reason: str, now: float) -> None:
-        """There will be no flight: what was set goes back, our mode goes, and the ground station hears why."""
+        """There will be no flight: what was set goes back, our mode goes, and a PX4's ground station hears why."""
         self.preparation.refusal = reason
         self.preparation.restore(now)
-        self.ground.decline(reason, now)
+        if self.preparation.is_ours and not self._stop:
+            self.ground.decline(reason, now)
         if self.xrce is not None:
             self.xrce.tell(can_run=False, over=True, completed=False)
