@@ -72,6 +72,13 @@ class Flight:
     words: list[Word] = field(default_factory=list)
     mutated: int = 0
 
+    @property
+    def is_left_to_failsafe(self) -> bool:
+        """Whether PX4's failsafe holds it and the companion watches, which at motors it does for 300 s: PX4 acts on
+        setpoints lost for 0.1 s there (COM_OF_LOSS_T), before a state is too old for the companion (0.2 s)."""
+        is_watched = bool(self.entered) and self.entered[-1][0] is Phase.RELEASE and self.done_at is None
+        return self.level is OutputLevel.MOTORS and is_watched and self.armed and self.mode is Mode.HOLD
+
     def phase_at(self, t: float) -> Phase | None:
         """What the companion was doing at a time; None: it had not begun."""
         return next((phase for phase, since in reversed(self.entered) if since <= t), None)

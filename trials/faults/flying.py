@@ -23,6 +23,9 @@ from trials.faults.course import (
 from trials.faults.mutation import Mutator
 from trials.faults.traffic import Traffic
 
+WATCHED = 5.0
+"""s for which a vehicle that a failsafe holds is watched, where the companion would for 300 s."""
+
 
 def fly(case: Case, level: OutputLevel, seed: int = 0) -> Flight:
     """Fly a case. What the companion raises is raised."""
@@ -69,8 +72,11 @@ class Sortie:
 
     def _is_over(self, time_out: float) -> bool:
         """Whether there is nothing left to wait for. Who meets no vehicle waits no longer than the daemon does."""
-        unmet = self.conductor.link.identity is None and self.bridge.now > NO_VEHICLE_AFTER
-        return self.conductor.done or unmet or self.bridge.now >= time_out
+        now, flight, commander = self.bridge.now, self.flight, self.bridge.autopilot.commander
+        unmet = self.conductor.link.identity is None and now > NO_VEHICLE_AFTER
+        flight.mode, flight.armed = commander.mode, commander.armed
+        watched = flight.is_left_to_failsafe and now - flight.entered[-1][1] > WATCHED
+        return self.conductor.done or unmet or watched or now >= time_out
 
     def _step(self) -> None:
         """One step of the plant, and all that is said about it."""

@@ -30,7 +30,7 @@ def broken(flight: Flight) -> list[str]:
     """Every rule the flight broke."""
     return [
         *(f"a bad setpoint: {words}" for words in flight.traffic.bad[:3]),
-        *([] if flight.done_at is not None else ["not over in time"]),
+        *([] if flight.done_at is not None or flight.is_left_to_failsafe else ["not over in time"]),
         *_blind_commands(flight),
         *(words for word in last_words(flight) for words in _against(flight, word)),
         *_unasked(flight),

@@ -45,7 +45,7 @@ def _ended(flight: Flight, end: End) -> bool:
         case End.FLOWN:
             return flight.completed
         case End.HELD | End.FAILSAFE:
-            return over and flight.armed and flight.mode is Mode.HOLD
+            return flight.is_left_to_failsafe or (over and flight.armed and flight.mode is Mode.HOLD)
         case End.REFUSED:
             return over and not flight.traffic.commands and bool(flight.sentence)
         case End.OPERATORS:
