@@ -152,10 +152,10 @@ def test_at_the_end_of_the_thrust_the_path_comes_first_then_the_speed_then_the_h
     assert done.true.yaw < math.radians(16.0)
 
 
-@pytest.mark.parametrize("index", range(0, 60, 3))
+@pytest.mark.parametrize("index", range(0, 60, 6))
 def test_outdoors_with_a_machine_that_is_not_as_its_file_says(index: int) -> None:
-    """Every third of the first sixty flights of the shipped study ``robustness``, 11 s each: all its paths, four times."""
-    row = row_of(dataclasses.replace(ROBUSTNESS[index], duration=11.0, settle=8.0))
+    """Every sixth of the first sixty flights of the shipped study ``robustness``: all its paths, twice."""
+    row = row_of(ROBUSTNESS[index])
     assert row["passed"], f"{row['outcome']}: {row['reason'] or row['unmet']}"
 
 

@@ -75,7 +75,7 @@ def test_rotors_that_sit_anywhere_get_their_commands_too() -> None:
 def test_what_motors_would_be_told_is_told_to_px4s_allocator() -> None:
     vehicle = shipped("x500")
     told = MotorSetpoint((0.3, 0.5, 0.4, 0.6))
-    motors: Any = SimpleNamespace(level=lambda state, memory=None: told)
+    motors: Any = SimpleNamespace(level_setpoint=lambda state, memory=None: told)
     steering = TorqueSteering(motors, Px4Allocation(vehicle))
     level = steering.level_setpoint(None)
     assert isinstance(level, TorqueSetpoint)
