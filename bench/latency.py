@@ -215,24 +215,31 @@ def free_port() -> int:
         return port
 
 
-def clients(directory: Path) -> list[Client]:
-    """Those this machine can run."""
-    python, script = sys.executable, str(ROOT / "bench" / "latency_clients.py")
-    mission, machine = directory / "mission.yaml", directory / "vehicle.yaml"
+def companion_in(directory: Path) -> tuple[Callable[..., Callable[[int, Path], list[str]]], str]:
+    """The daemon on circle_r5 by vehicle, output and further options, as a client's command; and the x500 that takes
+    motors over MAVLink, as a file."""
+    mission, machine = directory / "mission.yaml", directory / "direct.yaml"
     shipped = ROOT / "configs"
     mission.write_text((shipped / "missions" / "circle_r5.yaml").read_text() + "origin: local\n")
     machine.write_text((shipped / "vehicles" / "x500.yaml").read_text().replace("motors: px4", "motors: direct"))
 
     def companion(vehicle: str, *output: str) -> Callable[[int, Path], list[str]]:
         return lambda port, folder: [
-            python, "-m", "companion", "fly", str(mission), "--vehicle", vehicle, "--output", *output,
-            "--connect", f"udpin://127.0.0.1:{port}", "--record", str(folder / f"flight-{port}"),
+            sys.executable, "-m", "companion", "fly", str(mission), "--vehicle", vehicle, "--output", *output,
+            "--set-parameters", "--connect", f"udpin://127.0.0.1:{port}", "--record", str(folder / f"flight-{port}"),
         ]  # fmt: skip
 
+    return companion, str(machine)
+
+
+def clients(directory: Path) -> list[Client]:
+    """Those this machine can run."""
+    python, script = sys.executable, str(ROOT / "bench" / "latency_clients.py")
+    companion, direct = companion_in(directory)
     found = [
         Client("Python echo", lambda port, _: [python, script, "echo", str(port)]),
-        Client(OURS, companion(str(machine), "motors", "--set-parameters")),
-        Client(f"{OURS}, rates", companion("x500", "rates", "--set-parameters"), BY_RATES, direct=False),
+        Client(OURS, companion(direct, "motors")),
+        Client(f"{OURS}, rates", companion("x500", "rates"), BY_RATES, direct=False),
         Client("MAVSDK asyncio", lambda port, _: [python, script, "mavsdk", str(port)], BY_ROLL_RATE),
     ]
     compiler = shutil.which("cc")

@@ -24,6 +24,7 @@ from scipy.linalg import expm, solve_discrete_are, solve_discrete_lyapunov
 
 from companion.config.world.world import load_world
 from companion.estimation.adaptation import NOISE_MIN
+from companion.estimation.estimator import STANDARD_GRAVITY as G
 from companion.estimation.kalman_step import (
     DISTURBANCE_Q,
     DISTURBANCE_TIME,
@@ -41,8 +42,6 @@ Array = NDArray[np.float64]
 
 STEP = 0.008
 """s: states come and setpoints go at 125 Hz, and a setpoint acts one step later."""
-G = 9.80665
-"""m/s^2."""
 RADIUS = 5.0
 """m, of the circle: how far the thrust leans."""
 ROUND_OFF = 1e-5

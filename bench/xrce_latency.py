@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import numpy as np
 
-from bench.latency import PERIOD, ROOT, SO_TIMESTAMPNS, WARM_UP, Client, Meter, free_port, running
+from bench.latency import PERIOD, SO_TIMESTAMPNS, WARM_UP, Client, Meter, companion_in, free_port, running
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.daemon.realtime import PRIORITY, at_priority
@@ -147,23 +147,14 @@ def cost() -> tuple[float, float]:
 
 def clients(directory: Path) -> tuple[Client, Callable[[int], Client]]:
     """The daemon over MAVLink, and over XRCE at a port."""
-    mission, machine = directory / "mission.yaml", directory / "direct.yaml"
-    shipped = ROOT / "configs"
-    mission.write_text((shipped / "missions" / "circle_r5.yaml").read_text() + "origin: local\n")
-    machine.write_text((shipped / "vehicles" / "x500.yaml").read_text().replace("motors: px4", "motors: direct"))
-
-    def companion(vehicle: str, *options: str) -> Callable[[int, Path], list[str]]:
-        return lambda port, folder: [
-            sys.executable, "-m", "companion", "fly", str(mission), "--vehicle", vehicle, "--output", "motors",
-            "--set-parameters", *options, "--connect", f"udpin://127.0.0.1:{port}",
-            "--record", str(folder / f"flight-{port}"), "--no-report",
-        ]  # fmt: skip
+    companion, direct = companion_in(directory)
 
     def over_xrce(agent: int) -> Client:
         url = f"udp://127.0.0.1:{agent}"
-        return Client("XRCE", companion("x500", "--xrce", url, "--accept-direct-motors"), direct=False)
+        options = ("motors", "--xrce", url, "--accept-direct-motors", "--no-report")
+        return Client("XRCE", companion("x500", *options), direct=False)
 
-    return Client("MAVLink", companion(str(machine))), over_xrce
+    return Client("MAVLink", companion(direct, "motors", "--no-report")), over_xrce
 
 
 def main() -> None:
