@@ -21,7 +21,7 @@ from companion.estimation.rate_loop_identification import (
     step_to_minimum,
 )
 from companion.estimation.rate_loop_model import YAW_LAG, YAW_TORQUE_LAG, TimedCommand
-from companion.frames import Vec3
+from companion.frames import Vec3, clamped
 
 FOLLOW_TIME = 1.5
 """s, time constant with which the lag follows. Engineering choice: found within a bend or two."""
@@ -89,4 +89,4 @@ def update_yaw_loop_estimate(
         return known
     towards = step_to_minimum(known.variances)
     low, high = (ratio * known.prior for ratio in LAG_RATIO_RANGE)
-    return known._replace(lag=min(max(known.lag * math.exp(towards * dt / FOLLOW_TIME), low), high))
+    return known._replace(lag=clamped(known.lag * math.exp(towards * dt / FOLLOW_TIME), low, high))

@@ -95,7 +95,7 @@ class RateSteering:
     prior: Prior  # of what is estimated
     encoding: Encoding  # what is sent; what it smooths makes the rate loop so much later
     yaw_gain: float  # 1/s, of h4
-    tilt_gain: float
+    tilt_gain: float  # 1/s, the law's largest on the tilt
     course: Course | None = None  # what lies ahead; None: the speed never yields
     tan_tilt_max: float = math.inf  # of the steepest tilt
     lag: float = 0.06  # s, of the rate loop as last found

@@ -66,15 +66,12 @@ class Sortie:
             self._take_orders()
             self._measure()
         flight.mutated = 0 if self._mutator is None else self._mutator.changed
-        commander = bridge.autopilot.commander
-        flight.mode, flight.armed = commander.mode, commander.armed
         return flight.concluded(self.conductor)
 
     def _is_over(self, time_out: float) -> bool:
         """Whether there is nothing left to wait for. Who meets no vehicle waits no longer than the daemon does."""
-        now, flight, commander = self.bridge.now, self.flight, self.bridge.autopilot.commander
+        now, flight = self.bridge.now, self.flight
         unmet = self.conductor.link.identity is None and now > NO_VEHICLE_AFTER
-        flight.mode, flight.armed = commander.mode, commander.armed
         watched = flight.is_left_to_failsafe and now - flight.entered[-1][1] > WATCHED
         return self.conductor.done or unmet or watched or now >= time_out
 
@@ -141,5 +138,7 @@ class Sortie:
         self._orders_seen = len(orders)
 
     def _measure(self) -> None:
+        commander = self.bridge.autopilot.commander
+        self.flight.mode, self.flight.armed = commander.mode, commander.armed
         height, angle, is_ours = seen(self.bridge)
         self._course.measure(self.bridge.now, height, angle, is_ours=is_ours)
