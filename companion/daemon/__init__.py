@@ -17,6 +17,7 @@ vehicle_words    where the vehicle is and what to do next, for whoever ended a f
 port, address    udpin://, udpout:// and serial:// -> a port to read and write; serial: one device
 beside           PX4's XRCE client beside the MAVLink link
 forwarding       the link for others: ground stations and programs at UDP endpoints
+endpoints        the process that has their sockets
 key_giving       a vehicle is given its signing key; signing_files: the time stamps, which outlive us
 
 progress         what a person watching sees

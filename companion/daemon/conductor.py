@@ -77,10 +77,10 @@ class Conductor:
         self._unrecorded: Tick | None = None
         self._recorder = recorder
         self.now = now
-        self._relay: Callable[[bytes], None] | None = None
+        self._relay: Callable[[list[bytes]], None] | None = None
 
-    def relay(self, take: Callable[[bytes], None]) -> None:
-        """Have ``take`` called with every frame that came from the vehicle or went to it, after the setpoint."""
+    def relay(self, take: Callable[[list[bytes]], None]) -> None:
+        """Have ``take`` called with the frames that came from the vehicle or went to it, after the setpoint."""
         self._relay = take
         self.decoder.tap = self._frames.append
 
@@ -199,8 +199,7 @@ class Conductor:
             for frame in self._frames:
                 self._recorder.add_frame(self.now, frame)
         if self._relay is not None:
-            for frame in self._frames:
-                self._relay(frame)
+            self._relay(self._frames)
         self._frames.clear()
         self._conclude()
         if self._unrecorded is not None:

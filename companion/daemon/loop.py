@@ -69,14 +69,13 @@ def run(
         notice = StatusFile(about(conductor.orders, port.describe(), recorder))
         teller = Teller(conductor, notice, service, say, clock)
         publisher = Publisher(conductor, teller.lines, clock)
-        forwarder = Forwarder(forward, teller.lines, clock) if forward else None
+        forwarder = Forwarder(forward, conductor.notes.append) if forward else None
         scribe = None if recorder is None else Scribe(recorder, teller.lines, clock)
         try:
             teller.start()
             publisher.start()
             if forwarder is not None:
                 conductor.relay(forwarder.give)
-                forwarder.start()
             if scribe is not None:
                 scribe.start()
             with punctual() as priority:
@@ -89,8 +88,7 @@ def run(
                 recorder.abandon()
             publisher.finish(SCREEN_PATIENCE)
             if forwarder is not None:
-                forwarder.finish(SCREEN_PATIENCE)
-                teller.lines.extend(forwarder.close())
+                teller.lines.extend(forwarder.close(SCREEN_PATIENCE))
             teller.finish(SCREEN_PATIENCE)
             publisher.remove()
             notice.remove()
@@ -175,7 +173,7 @@ class _Flight:
             flown.on_timer(now)
             self._send()
         if self._forwarder is not None:
-            self._send_on(self._forwarder.upward(), now)
+            self._send_on(self._forwarder.exchange(now), now)
         self._service.alive(now)
         self._hand_over(now)
         if self._conductor.plan is not None and not self._frozen:

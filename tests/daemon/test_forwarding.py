@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import socket
 import subprocess
 import sys
 import time
-from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,21 +20,25 @@ from pymavlink import mavutil
 from typer.testing import CliRunner
 
 from companion.cli.commands import app
-from companion.daemon.forwarding import (
-    DOWN_MAX,
+from companion.daemon.endpoints import (
     SETPOINTS,
-    UP_A_TURN,
     UP_BURST,
-    UP_MAX,
     UP_RATE,
+    Exchange,
+    Line,
+    message_of,
+    split,
+)
+from companion.daemon.forwarding import (
+    UP_AT_ONCE,
     Endpoint,
     Forwarder,
-    message_of,
     parse_endpoint,
 )
 from companion.daemon.port import AddressError
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import message
+from companion.mavlink.signing import Signing
 from companion.services.vehicle import connect_vehicle
 from companion.vehicle import OutputLevel
 from tests.support.flights import Flown, flight
@@ -63,10 +68,35 @@ class Station:
         except OSError:
             return found
 
-    def says(self, forwarder: Forwarder, end: int, *frames: bytes) -> None:
-        """To the forwarder's socket of an endpoint."""
+    def says(self, shared: Shared, end: int, *frames: bytes) -> None:
+        """To the socket of an endpoint."""
         for frame in frames:
-            self.socket.sendto(frame, forwarder.ends[end].socket.getsockname())
+            self.socket.sendto(frame, shared.lines[end].socket.getsockname())
+
+
+class Shared(Exchange):
+    """The endpoints' side of the local socket, and here the daemon's as well."""
+
+    def __init__(self, *endpoints: Endpoint) -> None:
+        self.daemon, local = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        lines = []
+        for to in endpoints:
+            end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            end.connect((to.host, to.port))
+            lines.append(Line(str(to), end, to.max_hz, to.commands))
+        for each in (self.daemon, local, *(line.socket for line in lines)):
+            each.setblocking(False)
+        super().__init__(local, lines)
+
+    def give(self, *frames: bytes) -> None:
+        self.daemon.send(b"".join(frames))
+
+    def upward(self) -> list[bytes]:
+        found = []
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                found.append(self.daemon.recv(1024))
+        return found
 
 
 @pytest.fixture
@@ -77,54 +107,51 @@ def stations() -> Iterator[list[Station]]:
         station.socket.close()
 
 
-def forwarder_to(*endpoints: Endpoint) -> Forwarder:
-    return Forwarder(endpoints, deque(), lambda: 0.0)
-
-
 def test_endpoints_get_the_vehicles_messages_unchanged_and_thinned_as_they_ask(stations: list[Station]) -> None:
     all_of_it, thinned, _ = stations
-    forwarder = forwarder_to(all_of_it.endpoint(), thinned.endpoint(10.0))
+    shared = Shared(all_of_it.endpoint(), thinned.endpoint(10.0))
     vehicle = Encoder(1, 1)
     sent = []
     for tick in range(100):  # 1 s at 100 Hz
         frames = [vehicle.message(ATTITUDE, time_boot_ms=10 * tick, q1=1.0)]
         frames += [vehicle.message(HEARTBEAT, type=2)] if tick % 10 == 0 else []
-        for one in frames:
-            forwarder.give(one)
+        shared.give(*frames)
         sent += frames
-        forwarder.work(0.01 * tick)
-    forwarder.give(Encoder(1, 191).message(SETPOINT))  # ours to the vehicle: not theirs to see
-    forwarder.work(1.0)
+        assert shared.look(0.01 * tick)
+    shared.give(Encoder(1, 191).message(SETPOINT))  # ours to the vehicle: not theirs to see
+    shared.look(1.0)
     assert all_of_it.heard() == sent
     kinds = [message_of(one) for one in thinned.heard()]
     assert kinds.count(HEARTBEAT.id) == 10 and kinds.count(ATTITUDE.id) == 10
-    assert next(line.split(",")[0] for line in forwarder.close()).endswith(f"{len(sent)} messages")
+    shared.close(())
+    first, second = shared.upward()[0].decode().split("\n")
+    assert first.split(",")[0].endswith(f"{len(sent)} messages") and ": 20 messages, 0 lost" in second
 
 
 def test_what_an_endpoint_sends_goes_to_the_vehicle_unchanged_and_no_second_setpoint(stations: list[Station]) -> None:
     station, other, _ = stations
-    forwarder = forwarder_to(station.endpoint(), other.endpoint())
+    shared = Shared(station.endpoint(), other.endpoint())
     said = [station.encoder.message(COMMAND, command=176, target_system=1), station.encoder.message(HEARTBEAT, type=6)]
     setpoint = station.encoder.message(SETPOINT, target_system=1)
-    station.says(forwarder, 0, said[0] + said[1], setpoint, b"rubbish", said[0][:-1])
+    station.says(shared, 0, said[0] + said[1], setpoint, b"rubbish", said[0][:-1])
     stranger = Station()  # at another address than the endpoint's
-    stranger.says(forwarder, 0, said[0])
-    forwarder.work(0.0)
-    assert forwarder.upward() == said and forwarder.upward() == []
-    assert forwarder.ends[0].refused == 1 and SETPOINT.id in SETPOINTS
+    stranger.says(shared, 0, said[0])
+    shared.look(0.0)
+    assert shared.upward() == said and shared.upward() == []
+    assert shared.lines[0].refused == 1 and SETPOINT.id in SETPOINTS
     stranger.socket.close()
 
 
 def test_one_that_may_only_look_sends_nothing_on(stations: list[Station]) -> None:
-    forwarder = forwarder_to(stations[0].endpoint(commands=False))
-    stations[0].says(forwarder, 0, stations[0].encoder.message(COMMAND, command=400, param1=1.0))
-    forwarder.work(0.0)
-    assert forwarder.upward() == [] and forwarder.ends[0].refused == 1
+    shared = Shared(stations[0].endpoint(commands=False))
+    stations[0].says(shared, 0, stations[0].encoder.message(COMMAND, command=400, param1=1.0))
+    shared.look(0.0)
+    assert shared.upward() == [] and shared.lines[0].refused == 1
 
 
 def test_one_that_floods_and_one_that_is_gone_cost_the_others_nothing(stations: list[Station]) -> None:
     good, flood, gone = stations
-    forwarder = forwarder_to(good.endpoint(), flood.endpoint(), gone.endpoint())
+    shared = Shared(good.endpoint(), flood.endpoint(), gone.endpoint())
     gone.socket.close()
     long = message("COMMAND_LONG")
     vehicle, count = Encoder(1, 1), 0
@@ -132,37 +159,135 @@ def test_one_that_floods_and_one_that_is_gone_cost_the_others_nothing(stations: 
     mine = [good.encoder.message(long, command=512, param1=float(i)) for i in range(10)]
     passed: list[bytes] = []
     for tick in range(100):
-        flood.says(forwarder, 1, *[flood.encoder.message(long, command=1, param7=1.0)] * 30)
+        flood.says(shared, 1, *[flood.encoder.message(long, command=1, param7=1.0)] * 30)
         if tick % 10 == 0:
-            good.says(forwarder, 0, mine[tick // 10])
-        forwarder.give(heartbeat)
-        forwarder.work(0.01 * tick)
-        passed += forwarder.upward()
+            good.says(shared, 0, mine[tick // 10])
+        shared.give(heartbeat)
+        shared.look(0.01 * tick)
+        passed += shared.upward()
         count += 1
-    while more := forwarder.upward():
-        passed += more
     assert [one for one in passed if one in mine] == mine
     assert sum(map(len, passed)) - sum(map(len, mine)) <= UP_BURST + UP_RATE * 1.0
     assert good.heard() == [heartbeat] * count
-    assert forwarder.ends[1].refused > 1000
+    assert shared.lines[1].refused > 1000
 
 
-def test_a_stopped_thread_keeps_a_bounded_number_and_the_control_thread_takes_few(stations: list[Station]) -> None:
-    forwarder = forwarder_to(stations[0].endpoint())
-    for i in range(DOWN_MAX + 50):
-        forwarder.give(Encoder(1, 1, i & 255).message(HEARTBEAT, type=2))
-    assert len(forwarder._down) == DOWN_MAX
+def test_a_daemon_that_takes_nothing_keeps_nobody_waiting(stations: list[Station]) -> None:
+    """What finds no room is refused; the vehicle's messages still go to the endpoints."""
+    shared = Shared(stations[0].endpoint())
     one = stations[0].encoder.message(HEARTBEAT)
-    stations[0].says(forwarder, 0, *[one] * 50)
-    forwarder.work(0.0)
-    assert len(forwarder.upward()) == UP_A_TURN and len(forwarder._up) <= UP_MAX
+    for tick in range(200):
+        stations[0].says(shared, 0, *[one] * 20)
+        shared.look(float(tick))
+    line = shared.lines[0]
+    shared.give(one)
+    shared.look(200.0)
+    assert stations[0].heard() == [one]
+    assert line.taken == len(shared.upward()) and line.taken + line.refused == 4000 and line.refused > 0
+
+
+def test_frames_one_behind_another_are_told_apart() -> None:
+    key = Signing(bytes(32))
+    frames = [
+        Encoder(1, 1).message(ATTITUDE, q1=1.0),
+        Encoder(1, 1, signing=key).message(HEARTBEAT, type=2),
+        b"\xfe\x09\x00\x01\x01\x00" + bytes(9) + b"\x00\x00",  # MAVLink 1
+        Encoder(1, 191).message(COMMAND, command=1),
+    ]
+    assert list(split(b"".join(frames))) == frames and list(split(b"")) == []
+
+
+def started(*endpoints: Endpoint) -> tuple[Forwarder, list[str]]:
+    notes: list[str] = []
+    return Forwarder(endpoints, notes.append), notes
+
+
+def test_the_control_thread_takes_few_and_never_waits(stations: list[Station]) -> None:
+    """Whatever comes up, and with a process that is stopped: what finds no room is counted."""
+    forwarder, notes = started(stations[0].endpoint())
+    beat = Encoder(1, 1).message(HEARTBEAT, type=2)
+    forwarder.give([beat])
+    assert forwarder.exchange(0.0) == []
+    stations[0].socket.settimeout(10.0)
+    data, it = stations[0].socket.recvfrom(1024)
+    assert data == beat
+    one = stations[0].encoder.message(HEARTBEAT)
+    for _ in range(20):
+        stations[0].socket.sendto(one, it)
+    found: list[bytes] = []
+    now, until = 1.0, time.monotonic() + 10.0
+    while len(found) < 20 and time.monotonic() < until:
+        some = forwarder.exchange(now)
+        assert len(some) <= UP_AT_ONCE and forwarder.exchange(now) == []  # not due again
+        found += some
+        now += 0.01
+    assert found == [one] * 20
+    os.kill(forwarder.pid, signal.SIGSTOP)
+    for _ in range(3000):
+        forwarder.give([beat] * 6)
+        forwarder.exchange(now)
+        now += 0.01
+    os.kill(forwarder.pid, signal.SIGCONT)
+    told = forwarder.close(10.0)
+    assert notes == [] and f"forwarded to {stations[0].endpoint()}: " in told[0] and "20 passed on" in told[0]
+    sent, dropped = (int(words.split(": ")[1].split()[0]) for words in told)
+    assert sent + dropped == 18001 and dropped > 0 and "held up" in told[1]
+
+
+def test_a_process_that_ends_in_flight_is_told_once_and_the_flight_goes_on(stations: list[Station]) -> None:
+    forwarder, notes = started(stations[0].endpoint())
+    os.kill(forwarder.pid, signal.SIGKILL)
+    forwarder._process.wait(10.0)
+    for tick in range(5):
+        forwarder.give([Encoder(1, 1).message(HEARTBEAT)])
+        assert forwarder.exchange(float(tick)) == []
+    assert forwarder.close(5.0) == [] and forwarder._frames == []
+    (note,) = notes
+    assert "forwarding has ended" in note and "the flight goes on" in note
+
+
+@pytest.mark.parametrize("gently", [True, False])
+def test_the_process_is_ordinary_and_ends_with_the_daemon_only(gently: bool, stations: list[Station]) -> None:
+    """Not at a signal to it. With a daemon that is killed, it ends as well."""
+    to = stations[0].endpoint()
+    beat = Encoder(1, 1).message(HEARTBEAT, type=2)
+    daemon = f"""
+from companion.daemon.forwarding import Endpoint, Forwarder
+from companion.daemon.realtime import at_priority
+at_priority(1)
+forwarder = Forwarder([Endpoint({to.host!r}, {to.port}, None, True)], print)
+forwarder.give([{beat!r}])
+forwarder.exchange(0.0)
+print(forwarder.pid, flush=True)
+input()
+print(forwarder.close(10.0), flush=True)
+"""
+    process = subprocess.Popen([sys.executable, "-c", daemon], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert process.stdin is not None and process.stdout is not None
+    pid = int(process.stdout.readline())
+    stations[0].socket.settimeout(10.0)
+    stations[0].socket.recv(1024)  # it serves
+    assert os.sched_getscheduler(pid) == os.SCHED_OTHER and os.getpriority(os.PRIO_PROCESS, pid) >= 0
+    assert os.getsid(pid) == pid
+    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+        os.kill(pid, number)
+    if gently:
+        told, _ = process.communicate("\n", 20.0)
+        assert "1 messages, 0 lost" in told
+    else:
+        process.kill()
+        process.communicate()
+    until = time.monotonic() + 10.0
+    while Path(f"/proc/{pid}/cmdline").exists() and b"endpoints" in Path(f"/proc/{pid}/cmdline").read_bytes():
+        assert time.monotonic() < until
+        time.sleep(0.01)
 
 
 def test_a_conductor_relays_what_comes_and_what_goes() -> None:
     relayed: list[bytes] = []
 
     def prepare(flown: Flown) -> None:
-        flown.conductor.relay(relayed.append)
+        flown.conductor.relay(relayed.extend)
 
     flown = flight(level=OutputLevel.RATES, duration=1.0, prepare=prepare)
     names = {(one.component, one.format.name) for raw in relayed for one in Decoder().datagram(raw)}
