@@ -31,6 +31,9 @@ motors (COM_OF_LOSS_T), and without a state there is none."""
 CONFIRM_WITHIN = 1.5
 """s after an accepted mode change within which telemetry must show it. Engineering choice: PX4's heartbeat alone is
 1 Hz."""
+AGAIN_WITHIN = 1.0
+"""s into a phase in which the mode that it began in may have been asked for by our own request, brought twice by the
+link: such a mode is nobody's decision for certain. Engineering choice: the latest second frame seen is 0.4 s late."""
 BEGINS = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN)
 """The phases in which the vehicle does by itself what it was asked for."""
 EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
@@ -79,10 +82,10 @@ def left_offboard(s: Situation) -> str | None:
 def taken_over(s: Situation) -> str | None:
     if s.authority is ControlAuthority.PILOT or not elsewhere(s) or by_itself(s):
         return None
-    if s.status.mode is Mode.OFFBOARD:
-        return (
-            f"in {s.phase.value} the vehicle says Offboard again: somebody selected it, or an old word came once more"
-        )
+    went_back = s.status.mode is s.decided_in and s.now - s.entered < AGAIN_WITHIN
+    if s.status.mode is Mode.OFFBOARD or went_back:
+        again = f"in {s.phase.value} the vehicle says {mode_words(s)} again"
+        return f"{again}: somebody selected it, or an old word came once more"
     return f"the operator took over: the mode is {mode_words(s)} now"
 
 

@@ -1,7 +1,8 @@
 """Frames that come a second time: a network with two routes, a relay that sends again. The second one is no news.
 
 A status has no stamp, so that an old one that comes late would be taken for what is so now. The second is told from the
-first by the sender's own number on the frame, which lies behind the newest one, and by its bytes, which are the same.
+first by its bytes, which are the same, and by the sender's own number on the frame, which is not the next one. So it is
+told for as long as the numbers last: 256 frames, 0.4 s of a busy link.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ NUMBERS = 256
 """Of frames in MAVLink: then a sender begins again."""
 AHEAD_MAX = 64
 """How far ahead of the newest number a frame may be and be the next one, others lost between: a tenth of a second of a
-busy link. What is further ahead is behind: it comes late, at most 0.3 s at 600 frames a second."""
+busy link. What is further ahead is behind: it comes late."""
 SENDERS_MAX = 8
 """Senders that are told apart: the vehicle, and whom it forwards. Those of any others are not looked at."""
 
@@ -42,10 +43,15 @@ class Repeats:
             if len(self._senders) >= SENDERS_MAX:
                 return False
             sender = self._senders[who] = _Sender(number)
-        elif 1 <= (number - sender.newest) % NUMBERS <= AHEAD_MAX:
-            sender.newest = number
-        elif sender.seen[number] == raw:
-            self.count += 1
-            return True
+        else:
+            ahead = (number - sender.newest) % NUMBERS
+            # the next number may well bring the same words again; with others lost between it hardly does
+            if ahead != 1 and sender.seen[number] == raw:
+                self.count += 1
+                return True
+            if 1 <= ahead <= AHEAD_MAX:
+                for lost in range(1, ahead):
+                    sender.seen[(sender.newest + lost) % NUMBERS] = None
+                sender.newest = number
         sender.seen[number] = raw
         return False
