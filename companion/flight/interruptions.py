@@ -61,8 +61,11 @@ def elsewhere(s: Situation) -> bool:
         return False
     if mode is s.decided_in and not s.mode_seen:
         return False
-    if s.phase in (Phase.LAND, Phase.RETURN) and s.status.landed is Landed.ON_GROUND:
-        return False  # PX4 leaves these modes itself when it disarms
+    if s.phase in (Phase.LAND, Phase.RETURN):  # PX4 leaves these modes itself when it disarms
+        if s.status.landed is Landed.ON_GROUND:
+            return False
+        if s.status.landed is None and s.status.armed is not None and s.armed_heard > s.status.mode_age:
+            return False  # only HEARTBEAT tells now whether it has landed, and comes after CURRENT_MODE
     return s.phase is Phase.ARM or s.status.armed is not False
 
 
@@ -86,6 +89,8 @@ def taken_over(s: Situation) -> str | None:
     if s.status.mode is Mode.OFFBOARD or went_back:
         again = f"in {s.phase.value} the vehicle says {mode_words(s)} again"
         return f"{again}: somebody selected it, or an old word came once more"
+    if s.phase in (Phase.LAND, Phase.RETURN) and s.status.landed is None and s.status.armed is None:
+        return f"in {s.phase.value} the vehicle says {mode_words(s)}: it has landed, or the operator took over"
     return f"the operator took over: the mode is {mode_words(s)} now"
 
 

@@ -109,6 +109,16 @@ def test_a_mode_of_our_own_asking_that_comes_once_more_is_nobodys_word_for_certa
     assert late[2] == "the operator took over: the mode is Hold now"
 
 
+def test_a_vehicle_that_does_not_say_whether_it_is_on_the_ground_may_have_landed() -> None:
+    held = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD, landed=None, mode_age=0.0)
+    landing = situation(Phase.LAND, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=0.0, now=10.0)
+    assert decide(landing._replace(armed_heard=0.6)) is None  # HEARTBEAT has not come since CURRENT_MODE
+    told = decide(landing._replace(armed_heard=0.0))
+    assert told is not None and told[2] == "the operator took over: the mode is Hold now"
+    silent = decide(landing._replace(status=held._replace(armed=None)))
+    assert silent is not None and silent[2].endswith("it has landed, or the operator took over")
+
+
 def test_a_failsafe_is_left_alone_and_offboard_let_go_of() -> None:
     decision = decide(situation(Phase.FOLLOW, status=FLYING._replace(mode=Mode.HOLD)))
     assert decision is not None
