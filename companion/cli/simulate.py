@@ -22,7 +22,7 @@ from companion.daemon.loop import clock, run
 from companion.daemon.progress import Watch
 from companion.daemon.signals import Signals, ending_signals
 from companion.library import simulation as simulation_of
-from companion.library.simulation import SIMULATED_FLUSH, SimulatedFlight, at_home, orders_of, start_of
+from companion.library.simulation import SimulatedFlight, at_home, orders_of, start_of
 from companion.record.folder import Recorder
 from companion.vehicle import OutputLevel
 
@@ -62,13 +62,12 @@ def _in_lockstep(simulation: Simulation, recorder: Recorder, signals: Signals) -
 
 
 class _Journal:
-    """Has the record of a lockstep flight written as it goes on, and says what is to be said."""
+    """Says what is to be said of a lockstep flight, and keeps it."""
 
     def __init__(self, recorder: Recorder, story: Story) -> None:
         self._recorder = recorder
         self._story = story
         self._shown = Watch(VERBOSE_PROGRESS if is_verbose() else SIMULATED_PROGRESS)
-        self._flushed_at = 0.0
 
     def write(self, conductor: Conductor, now: float) -> None:
         """``now``: s of simulated time."""
@@ -81,11 +80,8 @@ class _Journal:
         line = self._shown.look(conductor, now)
         if line is not None:
             say(f"{now:8.2f} s  {line}")
-        if now - self._flushed_at >= SIMULATED_FLUSH:
-            self._flushed_at = now
-            self._recorder.flush()
-            while self._recorder.words:
-                warn(self._recorder.words.popleft())
+        while self._recorder.words:
+            warn(self._recorder.words.popleft())
 
 
 def over_udp(simulation: Simulation) -> int:

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from companion.config.syntax.faults import ConfigError, Fault
+from companion.daemon.conductor import Conductor
 from companion.daemon.last_resort import LastResort
 from companion.feasibility.auto import flyable
 from companion.feasibility.document import as_document
@@ -122,12 +123,18 @@ def _recorded(asked: Asked) -> tuple[Flight, LastResort | None]:
     assert folder is not None
     recorder = Recorder(folder, sortie.mission_source, sortie.vehicle_source, 0.0, flight.simulated)
     try:
-        flown = in_lockstep(flight, recorder, lambda _: lambda _: None)
+        flown = in_lockstep(flight, recorder, lambda conductor: lambda now: _keep_notes(conductor, recorder, now))
     except BaseException:
         recorder.discard()
         raise
     _finish(flown, recorder, asked.settle)
     return Flight(folder, temporary), flown.failure
+
+
+def _keep_notes(conductor: Conductor, recorder: Recorder, now: float) -> None:
+    for note in conductor.notes:
+        recorder.note(now, note)
+    conductor.notes.clear()
 
 
 def _flight_of(asked: Asked) -> SimulatedFlight:

@@ -65,19 +65,24 @@ def in_lockstep(
     flight: SimulatedFlight, recorder: Recorder, begun: Callable[[Conductor], Callable[[float], None]]
 ) -> Flown:
     """Fly. ``begun`` is told the conductor before the first step; what it returns is called after every step with the
-    simulated time, s, and once more at the end."""
+    simulated time, s, and once more at the end. The record is written as the flight goes on."""
     bridge = _bridge_of(flight)
     conductor = Conductor(orders_of(flight), recorder, bridge.now)
     look = begun(conductor)
+    write_at = SIMULATED_FLUSH
     with contextlib.ExitStack() as stack:
         truth_file = None
         with contextlib.suppress(OSError):  # no room for it: the record has said so
             truth_file = stack.enter_context(TruthFile(recorder.path("truth.npy")))
 
         def watch(conductor: Conductor, truth: Truth) -> None:
+            nonlocal write_at
             if truth_file is not None:
                 truth_file.append(truth, bridge.autopilot.commands)
             look(bridge.now)
+            if bridge.now >= write_at:
+                write_at = bridge.now + SIMULATED_FLUSH
+                recorder.flush()
 
         failure = fly(conductor, bridge, watch, _longest(flight), survive=True)
         look(bridge.now)

@@ -156,6 +156,14 @@ def test_a_flight_is_that_of_the_command(
     assert all(row.a == row.b for row in same.rows) and "truth.settled.path_error_m.rms" in str(same)
 
 
+def test_a_long_flight_is_recorded_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Longer than its record can wait for the disk; with what was said."""
+    monkeypatch.setattr("companion.record.table.ROWS_WAITING", 200)
+    long = companion.simulate("circle_r5", duration=3.0, settle=1.0, record=tmp_path / "long")
+    assert len(long.table) > 400 and long.summary["follow"]["duration_s"] == pytest.approx(3.0, abs=0.1)
+    assert "-> follow" in (tmp_path / "long" / "notes.txt").read_text()
+
+
 def test_a_flight_as_arrays_with_units(flight: companion.Flight, tmp_path: Path) -> None:
     assert flight.units["path_error"] == "m" and flight.units["v_north"] == "m/s" and flight.units["mode"] == ""
     assert "distance to the path" in flight.meanings["path_error"]
