@@ -149,7 +149,7 @@ class Conductor:
                     continue
                 acknowledged = self.link.receive(frame, now)
                 if acknowledged is not None:
-                    answer = None if self.payload.take_answer(*acknowledged) else answer_to(*acknowledged)
+                    answer = None if self.payload.take_answer(*acknowledged, now) else answer_to(*acknowledged)
                 of_vehicle = self.link.of_vehicle(frame)
                 if frame.format.id in GROUND_WANTED and self.link.identity is not None:
                     self.ground.receive(frame, self.link.identity.system, now, of_vehicle=of_vehicle)

@@ -34,14 +34,16 @@ class Payload:
             self.sent += 1
             self._waiting.append((action, command, now))
 
-    def take_answer(self, command: Command, result: int) -> bool:
+    def take_answer(self, command: Command, result: int, now: float) -> bool:
         """Whether a command that was answered is one of the payload's."""
         for index, (action, waiting, _) in enumerate(self._waiting):
             if waiting is command:
                 del self._waiting[index]
                 if result == MavResult.ACCEPTED:
                     self.accepted += 1
-                elif result != MavResult.IN_PROGRESS:
+                elif result == MavResult.IN_PROGRESS:
+                    self._waiting.append((action, waiting, now))
+                else:
                     self._fail(action, MavResult(result).words if result in set(MavResult) else f"result {result}")
                 return True
         return False

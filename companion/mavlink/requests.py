@@ -27,6 +27,7 @@ from companion.mavlink_common import (
     MAV_CMD_VIDEO_STOP_CAPTURE,
     MAV_COMP_ID_AUTOPILOT1,
     MAV_COMP_ID_CAMERA,
+    MavResult,
 )
 from companion.vehicle import Mode
 
@@ -142,6 +143,8 @@ class Requests:
         for index, (asked, _) in enumerate(self._unanswered):
             if asked.id == command and asked.component == component:
                 del self._unanswered[index]
+                if result == MavResult.IN_PROGRESS:  # it has begun; how it ends is told in another answer
+                    self._unanswered.insert(index, (asked, now))
                 return asked, result
         return None
 
