@@ -139,7 +139,7 @@ ROWS: tuple[Row, ...] = (
         conditions.thrust_gone,
         0.1,
         Action.ABORT,
-        "land it and look at its battery, motors and propellers",
+        "land it and look at its battery, motors and propellers, and at the link up to it",
     ),
     Row(
         f"under {100.0 * conditions.THRUST_RATIO_SHORT:g} % of the thrust that is commanded comes, or under "
@@ -147,7 +147,7 @@ ROWS: tuple[Row, ...] = (
         conditions.thrust_short,
         0.25,
         Action.ABORT,
-        "land it and look at its battery, motors and propellers",
+        "land it and look at its battery, motors and propellers, and at the link up to it",
     ),
     Row(
         f"under {100.0 * conditions.THRUST_RATIO_SPENT:g} % of it comes, it is at its limit, and the vehicle sinks at "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from companion.daemon.conductor import Conductor
 from companion.frames import rotation_matrix, tilt
+from companion.mavlink.peer import PEER_SILENT
 from companion.vehicle import OutputLevel
 from companion.world.events import Event
 from sim_bridge.bridge import Bridge
@@ -95,6 +96,9 @@ class Sortie:
 
     def _arrived(self) -> list[tuple[bytes, int]]:
         own = source(COMPANION, self.bridge.ports_dialled)
+        now, peers = self.bridge.now, self.conductor.link.peers
+        # in flight another port is taken for the vehicle's only once the old one has been silent
+        is_heard = peers.heard in (None, own) or now - peers.heard_at > PEER_SILENT
         mutate = self._mutator
         arrived = [
             (data if mutate is None else mutate(data), source(endpoint, self.bridge.ports_dialled))
@@ -102,8 +106,8 @@ class Sortie:
             if endpoint != GROUND_STATION
         ]
         for data, sender in arrived:
-            if sender == own:
-                self.flight.traffic.hear(data, self.bridge.now)
+            if sender == own and is_heard:
+                self.flight.traffic.hear(data, now)
         return arrived
 
     def _send(self, now: float) -> None:

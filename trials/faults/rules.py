@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from companion.flight.conduct import ControlAuthority
 from companion.flight.phases import Phase
 from companion.mavlink.modes import Mode
-from companion.world.events import LinkEvent, Operator, Order, PortChange, Sticks, Stranger
+from companion.world.events import LinkEvent, LinkRepeat, Operator, Order, PortChange, Sticks, Stranger
 from sim_bridge.strangers import MODES
 from trials.faults.course import Flight, Word
 
@@ -133,5 +133,7 @@ def _false_words(flight: Flight) -> Iterator[str]:
         or (isinstance(event, Operator) and event.order not in STOPS_THE_MOTORS)
         for event in events
     )
-    if "propeller" in said and only_the_link and not flight.mutated:
+    # from below, old setpoints that come for ever look like motors that do not answer; the sentence names both
+    stuck = any(isinstance(event, LinkRepeat) and event.up for event in events)
+    if "propeller" in said and only_the_link and not stuck and not flight.mutated:
         yield f"names the propellers where the link was the cause: {said}"
