@@ -31,6 +31,10 @@ motors (COM_OF_LOSS_T), and without a state there is none."""
 CONFIRM_WITHIN = 1.5
 """s after an accepted mode change within which telemetry must show it. Engineering choice: PX4's heartbeat alone is
 1 Hz."""
+OLD_MODE_WITHIN = 0.2
+"""s after OFFBOARD was accepted in which the mode before may still be told, as it was sent before; told later, OFFBOARD
+was left again. Engineering choice: PX4 answers and changes within a few ms, two times the longest way that is flown
+with."""
 AGAIN_WITHIN = 1.0
 """s into a phase in which the mode that it began in may have been asked for by our own request, brought twice by the
 link: such a mode is nobody's decision for certain. Engineering choice: the latest second frame seen is 0.4 s late."""
@@ -60,7 +64,7 @@ def elsewhere(s: Situation) -> bool:
     if expected is None or mode is None or mode in expected:
         return False
     if mode is s.decided_in and not s.mode_seen:
-        return False
+        return s.phase in FLOWN and s.answered - s.status.mode_age > OLD_MODE_WITHIN
     if s.phase in (Phase.LAND, Phase.RETURN):  # PX4 leaves these modes itself when it disarms
         if s.status.landed is Landed.ON_GROUND:
             return False

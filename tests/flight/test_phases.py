@@ -109,6 +109,14 @@ def test_a_mode_of_our_own_asking_that_comes_once_more_is_nobodys_word_for_certa
     assert late[2] == "the operator took over: the mode is Hold now"
 
 
+def test_offboard_that_was_left_before_it_was_seen_is_over_with_the_next_word() -> None:
+    held = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD, mode_age=0.01)
+    settling = situation(Phase.SETTLE, status=held, mode_seen=False, decided_in=Mode.HOLD, entered=9.9, now=10.0)
+    assert decide(settling._replace(answered=0.1)) is None  # may have been sent before OFFBOARD was
+    left = decide(settling._replace(answered=0.3))
+    assert left is not None and left[1] is Event.TAKEN_OVER
+
+
 def test_a_vehicle_that_does_not_say_whether_it_is_on_the_ground_may_have_landed() -> None:
     held = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD, landed=None, mode_age=0.0)
     landing = situation(Phase.LAND, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=0.0, now=10.0)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from companion.flight.conduct import ControlAuthority
+from companion.flight.interruptions import OLD_MODE_WITHIN
 from companion.flight.phases import Phase
 from companion.mavlink.modes import Mode
 from companion.world.events import LinkEvent, LinkRepeat, Operator, Order, PortChange, Sticks, Stranger
@@ -18,6 +19,8 @@ SAME_MODE_MAX = 3
 """How often HOLD may be asked for on the ground because OFFBOARD is still meant (PX4 goes back to it by itself)."""
 MARGIN = 0.02
 """s: five steps of the plant, for what was decided when the state arrived and left just after."""
+ANSWERED_WITHIN = 0.2
+"""s there and back, at most, on a link that is flown with."""
 NOT_A_WORD = frozenset({Order.ARM, Order.TAKE_OFF, Order.OFFBOARD, Order.MISSION, Order.TERMINATE})
 """Orders that do not take the vehicle from the companion, or that the stand-in does not keep."""
 STOPS_THE_MOTORS = frozenset({Order.DISARM, Order.KILL, Order.TERMINATE})
@@ -59,11 +62,21 @@ def seen_at(flight: Flight, word: Word) -> float:
     """When the companion heard of it: the first state after the first status that shows it. Infinity: it never did."""
     order = word.order.order
     for heard in flight.traffic.statuses:
-        if heard.at <= word.at:
+        if heard.at <= word.at or (heard.at < _old_until(flight, word) and order not in STOPS_THE_MOTORS):
             continue
         if heard.armed is False if order in (Order.DISARM, Order.KILL) else heard.mode is MODES[order]:
             return flight.traffic.state_after(heard.at) + MARGIN
     return math.inf
+
+
+def _old_until(flight: Flight, word: Word) -> float:
+    """Until when his mode may be the one before our own OFFBOARD, told late; -infinity: it is another one."""
+    asked = max(
+        (said.at for said in flight.traffic.commands if said.mode is Mode.OFFBOARD and said.at < word.at), default=0.0
+    )
+    before = [heard.mode for heard in flight.traffic.statuses if heard.at <= asked]
+    alike = before and before[-1] is MODES.get(word.order.order)
+    return asked + ANSWERED_WITHIN + OLD_MODE_WITHIN + MARGIN if alike else -math.inf
 
 
 def commands_after(flight: Flight, word: Word) -> list[str]:
