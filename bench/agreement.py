@@ -20,7 +20,7 @@ from companion.config.syntax.file_lookup import names
 from companion.config.vehicle import load_vehicle
 from companion.feasibility.report import check
 from companion.feasibility.words import headline
-from companion.plan import law_level
+from companion.law.gains import law_level
 from companion.vehicle import OutputLevel
 from trials.agreement import LAP_MAX, Extremes, asked, flown, random_mission, scaled
 

@@ -9,7 +9,7 @@ from companion.flight.conduct import Conduct
 from companion.frames import Heading, Vec3
 from companion.law.feedback import Bounds
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
-from companion.law.gains import Gains, Level, auto_gains, default_gains, poles_of
+from companion.law.gains import Gains, Level, auto_gains, default_gains, law_level, poles_of
 from companion.law.hold import HoldLaw, hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
@@ -51,11 +51,6 @@ class Plan:
     conduct: Conduct = AS_USUAL  # how the flight is conducted
     learned: Learned | None = None  # what the vehicle's last flight left
     path_pole: float | None = None  # 1/s, of h1 and h2 where it was chosen and may be lowered; None: as written
-
-
-def law_level(level: OutputLevel) -> Level:
-    """The level of the law that an output level needs: attitude is rates, and torques are motors, sent another way."""
-    return Level.MOTORS if level.without_rate_loop else Level.RATES
 
 
 def prepared(

@@ -13,11 +13,11 @@ from companion.config.mission.mission import mission_from
 from companion.config.syntax.document import parse
 from companion.feasibility.report import Report, check
 from companion.frames import Vec3
+from companion.law.gains import law_level
 from companion.library.orders import Sortie
 from companion.library.outcome import Ended, reason_of
 from companion.library.simulation import SimulatedFlight, in_memory
 from companion.mission import Mission
-from companion.plan import law_level
 from companion.record.circumstances import SimulatedWorld
 from companion.record.folder import Source
 from companion.record.series import followed_series, true_series

@@ -12,10 +12,10 @@ from companion.config.world.world import load_world
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.conduct import Conduct, ControlAuthority
 from companion.flight.phases import Phase
+from companion.law.gains import law_level
 from companion.library.lockstep import fly
 from companion.library.simulation import start_of
 from companion.mission import Origin
-from companion.plan import law_level
 from companion.profiles import ConstantSpeed
 from companion.vehicle import (
     AttitudeSetpoint,

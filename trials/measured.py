@@ -13,10 +13,10 @@ from companion.config.world.world import load_world
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.phases import Phase
 from companion.frames import rotation_matrix, tilt, wrap
+from companion.law.gains import law_level
 from companion.library.lockstep import fly
 from companion.library.simulation import start_of
 from companion.mission import Mission, Origin
-from companion.plan import law_level
 from companion.profiles import ConstantSpeed
 from companion.steering.steering import Estimates
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle

@@ -14,7 +14,8 @@ from companion.feasibility.words import headline, in_words
 from companion.frames import Vec3
 from companion.geodesy import NO_HOME_GIVEN
 from companion.library.checking import checked, in_world
-from companion.library.orders import Faults, Sortie, given_home, read_sortie, read_world
+from companion.library.faults import Faults
+from companion.library.orders import Sortie, given_home, read_sortie, read_world
 from companion.mission import Origin
 from companion.places.words import words_of_place
 from companion.plain_text import printable_lines

@@ -45,6 +45,7 @@ from companion.cli.options import (
 from companion.cli.output import Output
 from companion.cli.terminal import be_normal, detail, open_standard_streams, warn
 from companion.geodesy import NO_HOME_GIVEN
+from companion.library.faults import Faults
 from companion.vehicle import CompanionError
 from companion.version import __version__
 
@@ -134,7 +135,7 @@ def sim(
     from companion.cli.finish import Ending
     from companion.cli.simulate import Simulation, in_lockstep, over_udp
     from companion.feasibility.words import headline
-    from companion.library.orders import Faults, check_record, given_home, read_sortie, read_world
+    from companion.library.orders import check_record, given_home, read_sortie, read_world
     from companion.record.place import new_directory
 
     faults = Faults()
@@ -214,7 +215,7 @@ def fly(
     from companion.daemon.address import parse_address
     from companion.daemon.forwarding import parse_endpoint
     from companion.flight.conduct import Conduct, Finish, Limits
-    from companion.library.orders import Faults, check_record, given_home, read_sortie
+    from companion.library.orders import check_record, given_home, read_sortie
     from companion.record.place import new_directory
 
     faults = Faults()

@@ -14,7 +14,8 @@ from companion.cli.writing import writable, write
 from companion.config.plan.source import plan_of
 from companion.config.syntax.faults import ConfigError, Fault
 from companion.geodesy import NO_HOME_GIVEN, LocalFrame
-from companion.library.orders import Faults, given_home, read_sortie
+from companion.library.faults import Faults
+from companion.library.orders import given_home, read_sortie
 from companion.library.simulation import at_home
 from companion.mission import GlobalOrigin, Mission
 from companion.places.drawn import waypoint_plan

@@ -5,12 +5,10 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from companion.cli.page import write_page
 from companion.cli.terminal import busy, say
-from companion.cli.vehicle_log import keep_log
 from companion.cli.writing import writable, write
 from companion.config.syntax.faults import ConfigError, Fault
-from companion.library.orders import Faults
+from companion.library.faults import Faults
 
 
 def export_flight(
@@ -20,14 +18,14 @@ def export_flight(
     from companion.record.export.csv_files import csv_files
     from companion.record.export.folder import read_context
     from companion.record.export.mcap_file import write_mcap
-    from companion.record.replay import load_flight
+    from companion.record.recorded import read_folder
     from companion.record.ulog.joined import joined, kept
 
     folder = directory if to is None else to
     faults = Faults()
     if not csv and not mcap and ulog is None:
         faults.add(Fault("--csv", 0, "", "missing; expected --csv, --mcap or --ulog-join FILE.ulg, or several"))
-    flight = faults.collect(lambda: load_flight(directory))
+    flight = faults.collect(lambda: read_folder(directory))
     packed = folder / "flight.mcap"
     if mcap:
         faults.collect(lambda: writable("--mcap", packed, force))
@@ -44,6 +42,9 @@ def export_flight(
     for cut in flight.cuts:
         say(f"note: {cut}")
     if ulog is not None and log is not None:
+        from companion.cli.page import write_page
+        from companion.cli.vehicle_log import keep_log
+
         keep_log(directory, log)
         write_page(directory)
     begun = time.monotonic()
@@ -58,4 +59,5 @@ def export_flight(
         with busy("writing flight.csv"):
             for name, text in csv_files(flight, log).items():
                 write(folder / name, text)
-                say(f"{folder / name}: {text.count(chr(10)) - 1} rows")
+                rows = text.count(b"\n") - 1
+                say(f"{folder / name}: {rows} rows")

@@ -29,7 +29,8 @@ def preflight(
     from companion.cli.terminal import say
     from companion.config.syntax.faults import Fault
     from companion.daemon.address import is_exposed, parse_address
-    from companion.library.orders import Faults, read_sortie
+    from companion.library.faults import Faults
+    from companion.library.orders import read_sortie
 
     faults = Faults()
     faults.collect(lambda: parse_address(connect))

@@ -10,7 +10,7 @@ from companion.cli.writing import writable, write
 from companion.config.examples import KINDS, example, example_plan
 from companion.config.json_schemas import MODELS, schema_text
 from companion.config.syntax.faults import ConfigError, Fault
-from companion.library.orders import Faults
+from companion.library.faults import Faults
 
 
 def new(kind: str, file: Path | None, force: bool) -> None:

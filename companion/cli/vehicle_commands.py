@@ -109,7 +109,7 @@ def sign(
     from companion.daemon.key_giving import give_key
     from companion.daemon.loop import NoVehicleError, clock
     from companion.daemon.signing_files import signing_with
-    from companion.library.orders import Faults
+    from companion.library.faults import Faults
     from companion.mavlink.key_setup import KeySetup
 
     faults = Faults()
@@ -157,7 +157,7 @@ def log(
     from companion.cli.vehicle_log import fetch_newest_log
     from companion.config.syntax.faults import Fault
     from companion.daemon.address import parse_address
-    from companion.library.orders import Faults
+    from companion.library.faults import Faults
     from companion.services.vehicle import NoVehicleHeardError, ServiceError
 
     faults = Faults()

@@ -16,9 +16,9 @@ def writable(option: str, file: Path, force: bool) -> None:
         raise ConfigError([Fault(option, 0, "", f"{file.parent}: no such folder")])
 
 
-def write(file: Path, text: str) -> None:
+def write(file: Path, text: str | bytes) -> None:
     """ConfigError: it cannot be written."""
     try:
-        file.write_text(text, encoding="utf-8")
+        file.write_bytes(text.encode() if isinstance(text, str) else text)
     except OSError as error:
         raise ConfigError([Fault(str(file), 0, "", f"cannot be written: {error.strerror}")]) from None

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from companion.mavlink.peer import Received, Source
 from companion.vehicle import CompanionError
+
+if TYPE_CHECKING:  # an address is refused without all of MAVLink
+    from companion.mavlink.peer import Received, Source
 
 
 class AddressError(CompanionError):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from companion.calculus.scalar import Scalar
+from companion.vehicle import OutputLevel
 
 
 class Level(enum.Enum):
@@ -25,6 +26,11 @@ class Level(enum.Enum):
         """The vector relative degree {r1, r2, r3, r4} (Lemma 4.1): {4, 4, 3, 2} or {3, 3, 2, 1}."""
         n = self.value
         return (n, n, n - 1, n - 2)
+
+
+def law_level(level: OutputLevel) -> Level:
+    """The level of the law that an output level needs: attitude is rates, and torques are motors, sent another way."""
+    return Level.MOTORS if level.without_rate_loop else Level.RATES
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ output       the output levels that may be asked for
 files        mission, vehicle and world files as values: read, made or changed in Python
 making       the makers of such files: a mission from a path, a speed and a heading
 formulas     a Python function -> the expression that a mission file would hold
+faults       what is wrong with several inputs, said all at once
 orders       what is asked for -> what is to be flown, or every fault at once
 checking     a mission and a vehicle -> the report of ``check``
 simulation   a mission against the plant in one process

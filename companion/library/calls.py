@@ -18,11 +18,11 @@ from companion.feasibility.words import headline, in_words
 from companion.geodesy import NO_HOME_GIVEN
 from companion.law.gains import Level
 from companion.library.checking import STILL, checked, in_world
+from companion.library.faults import Faults
 from companion.library.files import InputFile, MissionFile, VehicleFile, WorldFile
 from companion.library.flights import Flight
 from companion.library.laws import ControlLaw
 from companion.library.orders import (
-    Faults,
     bare_from,
     given_home,
     simulated_from,

@@ -68,7 +68,7 @@ class Flight:
     @cached_property
     def meanings(self) -> dict[str, str]:
         """What each column of ``table`` is, in words, its unit first."""
-        from companion.record.rows import COLUMNS
+        from companion.record.tick_columns import COLUMNS
 
         return {column.name: column.meaning for column in COLUMNS}
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -11,16 +10,15 @@ from typing import TypeVar
 from companion.config.mission.mission import bare_mission_from, mission_from
 from companion.config.plan.source import attached, is_plan, mission_text, parse_plan_text
 from companion.config.syntax.document import Document, parse
-from companion.config.syntax.faults import ConfigError, Fault
+from companion.config.syntax.faults import ConfigError
 from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import vehicle_from
 from companion.config.world.world import home_from, world_from
-from companion.daemon.port import AddressError
 from companion.geodesy import NO_HOME_GIVEN, GivenHome
-from companion.law.gains import Level
+from companion.law.gains import Level, law_level
+from companion.library.faults import Faults
 from companion.library.output import Output
 from companion.mission import Mission
-from companion.plan import law_level
 from companion.record.circumstances import SimulatedWorld
 from companion.record.folder import Source
 from companion.record.place import refuse_used
@@ -42,32 +40,6 @@ class Sortie:
     mission_source: Source
     vehicle_source: Source
     auto: bool = False
-
-
-class Faults:
-    """Collects what is wrong with several inputs, to show it all at once."""
-
-    def __init__(self) -> None:
-        self._faults: list[Fault] = []
-
-    def collect(self, read_one: Callable[[], T], option: str = "--connect") -> T | None:
-        """The value of ``read_one``, or None where it has faults. ``option``: whose address it opens."""
-        try:
-            return read_one()
-        except ConfigError as error:
-            self._faults += error.faults
-        except AddressError as error:
-            self._faults.append(Fault(option, 0, "", str(error)))
-        return None
-
-    def add(self, fault: Fault) -> None:
-        """One more."""
-        self._faults.append(fault)
-
-    def raise_any(self) -> None:
-        """ConfigError, if anything was wrong."""
-        if self._faults:
-            raise ConfigError(self._faults)
 
 
 def read_sortie(

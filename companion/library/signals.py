@@ -12,9 +12,9 @@ from companion.frames import euler_from_rotation, rotation_matrix, wrap
 from companion.law.bare import bare_law, state_names
 from companion.law.errors import LawError
 from companion.law.flight import model_of
-from companion.law.gains import Level, default_gains
+from companion.law.gains import Level, default_gains, law_level
 from companion.paths.implicit import ImplicitPath
-from companion.plan import Plan, law_level
+from companion.plan import Plan
 from companion.px4_allocation import Px4Allocation
 from companion.vehicle import CompanionError, OutputLevel
 

@@ -7,10 +7,12 @@ growing        a file that grows in flight: bounded, never in the way, read up t
 files          files that others read while we write: whole or not at all
 owned_files    small files in places that others can write to
 tlog           every frame in both directions, as ground stations and log tools read it; xrce_log: every datagram
-table          rows of named columns in a file; rows: one a tick, what the pilot saw and what it did
+table          rows of named columns in a file; tick_columns: those of a tick, what the pilot saw and what it did
+rows           a tick as such a row, and back
 ticks          the same in memory, where nobody asked for a folder
 learned        what a vehicle's last flight found out, for its next one
 
+recorded       a flight folder read again
 replay         the recorded inputs through the pilot again
 series         the followed part as one array a quantity: as believed, and as it truly was
 events         what happened to the flight, and what it did about it

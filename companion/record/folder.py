@@ -2,7 +2,7 @@
 
 link.tlog       every frame in both directions
 link.xrce       flights over XRCE: every datagram in both directions
-flight.npy      one row a tick (see ``rows.COLUMNS``)
+flight.npy      one row a tick (see ``tick_columns``)
 truth.npy       simulated flights: the plant's true state
 notes.txt       every line that was said, and when
 mission.yaml    vehicle.yaml    the files that were flown, as they were; and the plan beside a mission that flies one
@@ -37,6 +37,7 @@ from companion.record.growing import GrowingFile
 from companion.record.place import Place
 from companion.record.resolution import resolution
 from companion.record.table import Table, TableWriter
+from companion.record.tick_columns import COLUMNS
 from companion.record.tlog import TlogWriter
 from companion.record.xrce_log import XrceWriter
 
@@ -131,7 +132,7 @@ class Recorder:
 
     def begin(self, plan: Plan, now: float) -> None:
         """The plan is ready and the pilot begins."""
-        self._table = TableWriter(self.directory / "flight.npy", rows.COLUMNS)
+        self._table = TableWriter(self.directory / "flight.npy", COLUMNS)
         self._resolution = resolution(plan, self.mission.name, self.vehicle.name, now, self.epoch, self.simulation)
         self._resolved = json.dumps(self._resolution, indent=2) + "\n"
 

@@ -8,7 +8,7 @@ from companion.flight.conduct import to_dict
 from companion.flight.phases import Phase, Request
 from companion.mavlink_common import MavResult
 from companion.plan import Plan
-from companion.record import rows
+from companion.record.tick_columns import COLUMNS
 from companion.vehicle import Landed, Mode
 from companion.version import __version__
 
@@ -37,7 +37,7 @@ def resolution(
         "begun_at": now,
         "epoch": epoch,
         "path_length_m": plan.table.length,
-        "columns": {column.name: column.meaning for column in rows.COLUMNS},
+        "columns": {column.name: column.meaning for column in COLUMNS},
         "legend": {
             "phase": [phase.value for phase in Phase],
             "request": [request.value for request in Request],

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from companion.flight.phases import Phase
 from companion.frames import Vec3, rotation_matrix, tilt, wrap
-from companion.plan import Plan
 from companion.record.table import Table
+
+if TYPE_CHECKING:  # an export needs no plan
+    from companion.plan import Plan
 
 Array = NDArray[np.float64]
 

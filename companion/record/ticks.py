@@ -10,6 +10,7 @@ from companion.pilot import Memory, Observation, Outcome
 from companion.plan import Plan
 from companion.record import rows
 from companion.record.table import RowPacker, Table
+from companion.record.tick_columns import COLUMNS
 
 
 class TickRecorder(Protocol):
@@ -34,7 +35,7 @@ class TickRecorder(Protocol):
 class Ticks:
     """Keeps what the summary is made of, and no frame. ``table``: as that of a flight folder."""
 
-    _packer = RowPacker(rows.COLUMNS)
+    _packer = RowPacker(COLUMNS)
 
     def __init__(self) -> None:
         self._rows: list[bytes] = []

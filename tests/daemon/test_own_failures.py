@@ -30,11 +30,11 @@ from companion.daemon.last_resort import LastResort
 from companion.daemon.loop import clock
 from companion.daemon.rhythm import Rhythm
 from companion.daemon.scribe import PERIOD, Helper, Scribe
+from companion.law.gains import law_level
 from companion.library import simulation as simulate
 from companion.mavlink.codec import Decoder, Frame
 from companion.mavlink_common import MAV_CMD_COMPONENT_ARM_DISARM, MAV_CMD_DO_SET_MODE, MAV_CMD_NAV_TAKEOFF
 from companion.mission import Origin
-from companion.plan import law_level
 from companion.record import growing
 from companion.record.folder import Recorder
 from companion.record.replay import load_flight, replay

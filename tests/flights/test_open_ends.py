@@ -12,8 +12,8 @@ from companion.config.vehicle import load_vehicle
 from companion.config.world.world import load_world
 from companion.feasibility.report import check
 from companion.flight.phases import Phase
+from companion.law.gains import law_level
 from companion.pilot import completed
-from companion.plan import law_level
 from companion.vehicle import OutputLevel
 from companion.world import World
 from companion.world.events import Hold, When

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from companion.record import rows
 from companion.record.table import Table, dtype_of
+from companion.record.tick_columns import COLUMNS
 from companion.record.xrce_log import NAME, XrceWriter, examined, latency_words, read_latency, records
 from companion.vehicle import MotorSetpoint, OutputLevel
 from companion.xrce import wire
@@ -51,7 +51,7 @@ def flown(directory: Path, offset: int = 0) -> XrceWriter:
 
 def table(commands: tuple[float, ...]) -> Table:
     """The ticks of these commands."""
-    ticks = np.zeros(5, dtype=dtype_of(rows.COLUMNS))
+    ticks = np.zeros(5, dtype=dtype_of(COLUMNS))
     ticks["setpoint"] = 1
     ticks["t_boot"] = [99.8 + 0.01 * index for index in range(5)]
     for i, command in enumerate(commands):

@@ -12,12 +12,12 @@ from companion.config.vehicle import load_vehicle
 from companion.daemon.conductor import Conductor, Orders
 from companion.feasibility.auto import flyable
 from companion.flight.conduct import Conduct
+from companion.law.gains import law_level
 from companion.library.lockstep import fly
 from companion.library.simulation import start_of
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Value, message
 from companion.mission import Origin
-from companion.plan import law_level
 from companion.profiles import ConstantSpeed
 from companion.record.folder import Recorder, Source
 from companion.vehicle import MotorInterface, OutputLevel, Setpoint

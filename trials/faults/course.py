@@ -15,9 +15,9 @@ from companion.daemon.asked_of_vehicle import WANTED
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.conduct import Conduct
 from companion.flight.phases import Phase
+from companion.law.gains import law_level
 from companion.library.simulation import start_of
 from companion.mission import Mission, Origin
-from companion.plan import law_level
 from companion.profiles import ConstantSpeed
 from companion.vehicle import Mode, MotorInterface, OutputLevel, Vehicle
 from companion.world import Start, World

@@ -7,7 +7,9 @@ and the CSV have all of them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +43,16 @@ class Series:
     fields: tuple[Field, ...]
     values: tuple[NDArray[np.float64], ...]
     t: Array
+
+
+class Channel(NamedTuple):
+    """``topic``, ``schema`` by name and text, and its messages: times in ns, JSON."""
+
+    topic: str
+    schema: str
+    text: bytes
+    times: NDArray[np.int64]
+    data: Sequence[bytes]
 
 
 def series_of(table: Table) -> list[Series]:

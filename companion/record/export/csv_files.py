@@ -9,20 +9,17 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from companion.plan import Plan
-from companion.record import rows
-from companion.record.export.columns import CLOCK_DECIMALS, Array, as_numbers, unit_of
+from companion.paths.arc import ArcTable
+from companion.record.export.columns import Array, Numbers, as_csv, unit_of
 from companion.record.export.ulog_series import log_tables
-from companion.record.replay import RecordedFlight
+from companion.record.recorded import FlightFolder
 from companion.record.table import Table
+from companion.record.tick_columns import COLUMNS
 from companion.record.ulog.joined import VehicleLog
 
-CLOCKS = frozenset({"now", "t_boot"})
 PATH_POINTS = 1000
 TRUTH = {
     "t_boot": "s, the vehicle's clock",
@@ -36,10 +33,10 @@ TRUTH = {
 PATH = {"s": "m, arc length", "north": "m, local frame", "east": "m, local frame", "down": "m, local frame"}
 
 
-def csv_files(flight: RecordedFlight, log: VehicleLog | None = None) -> dict[str, str]:
+def csv_files(flight: FlightFolder, log: VehicleLog | None = None) -> dict[str, bytes]:
     """File name -> content. ``log``: the vehicle's own, joined."""
-    meanings = {column.name: column.meaning for column in rows.COLUMNS}
-    files = {"flight.csv": _table(flight.table), "path.csv": _path(flight.plan)}
+    meanings = {column.name: column.meaning for column in COLUMNS}
+    files = {"flight.csv": _table(flight.table), "path.csv": _path(flight.path)}
     legend = [("flight.csv", name, meanings.get(name, "")) for name in flight.table.dtype.names or ()]
     if flight.truth is not None:
         files["truth.csv"] = _table(flight.truth)
@@ -53,38 +50,34 @@ def csv_files(flight: RecordedFlight, log: VehicleLog | None = None) -> dict[str
     return files
 
 
-def path_points(plan: Plan, count: int = PATH_POINTS) -> tuple[Array, Array]:
+def path_points(path: ArcTable, count: int = PATH_POINTS) -> tuple[Array, Array]:
     """Arc length (count,) m and place (count, 3) m north, east, down of points along the mission's path."""
-    s, points = plan.table.samples(count)[:2]
+    s, points = path.samples(count)[:2]
     return np.asarray(s, dtype=float), np.asarray(points, dtype=float)
 
 
-def _table(table: Table) -> str:
-    columns = list(_columns(table))
-    lines = [",".join(name for name, _ in columns)]
-    lines += map(",".join, zip(*(values for _, values in columns), strict=True))
-    return "\n".join(lines) + "\n"
-
-
-def _columns(table: Table) -> Iterator[tuple[str, list[str]]]:
+def _table(table: Table) -> bytes:
+    names: list[str] = []
+    columns: list[Numbers] = []
     for name in table.dtype.names or ():
-        values: NDArray[np.float64] = table[name]
+        values = table[name]
         if values.ndim == 1:
-            yield name, as_numbers(values, "", CLOCK_DECIMALS if name in CLOCKS else None)
+            names.append(name)
+            columns.append(values)
         else:
-            for index in range(values.shape[1]):
-                yield f"{name}_{index}", as_numbers(values[:, index], "")
+            names += [f"{name}_{index}" for index in range(values.shape[1])]
+            columns += list(values.T)
+    return as_csv(names, columns)
 
 
-def _path(plan: Plan) -> str:
-    s, points = path_points(plan)
-    numbers = [as_numbers(column, "") for column in (s, *points.T)]
-    return "\n".join([",".join(PATH), *map(",".join, zip(*numbers, strict=True))]) + "\n"
+def _path(path: ArcTable) -> bytes:
+    s, points = path_points(path)
+    return as_csv(list(PATH), [s, *points.T])
 
 
-def _legend(legend: list[tuple[str, str, str]]) -> str:
+def _legend(legend: list[tuple[str, str, str]]) -> bytes:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(("file", "column", "unit", "meaning"))
     writer.writerows((file, name, unit_of(meaning), meaning) for file, name, meaning in legend)
-    return out.getvalue()
+    return out.getvalue().encode()

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from companion.flight.phases import Phase
-from companion.record.export.channels import Series, series_of, thinned
-from companion.record.export.columns import Array, as_numbers
+from companion.record.export.channels import Channel, Series, series_of, thinned
+from companion.record.export.columns import Array, Numbers, as_lines
 from companion.record.export.csv_files import path_points
 from companion.record.export.scene import (
     BODY,
@@ -24,13 +24,14 @@ from companion.record.export.scene import (
     PATH_COLOR,
     WORLD,
     line_scene,
-    poses,
+    pose_columns,
+    pose_parts,
     stamp,
     vehicle_scene,
 )
 from companion.record.export.schemas import Field, series_schema, well_known
 from companion.record.export.ulog_series import log_series, our_clock
-from companion.record.replay import RecordedFlight
+from companion.record.recorded import FlightFolder
 from companion.record.table import Table
 from companion.record.ulog.joined import VehicleLog
 from companion.vehicle import CompanionError
@@ -39,25 +40,10 @@ POSE_RATE, TRUTH_RATE = 50.0, 25.0
 """Hz of poses and of the true state: what a screen shows (engineering choice)."""
 FLOWN_RATE = 5.0
 """Hz of the points of the line that was flown."""
+Times = NDArray[np.int64]
+"""ns."""
 INFO = 2
 """Of foxglove.Log.level."""
-
-
-class Message(NamedTuple):
-    """``t``: ns. ``channel``: its place among the channels."""
-
-    t: int
-    channel: int
-    data: bytes
-
-
-class Channel(NamedTuple):
-    """``topic``, ``schema`` by name and text, and its messages: (ns, JSON)."""
-
-    topic: str
-    schema: str
-    text: bytes
-    messages: list[tuple[int, bytes]]
 
 
 class FolderContext(NamedTuple):
@@ -69,11 +55,11 @@ class FolderContext(NamedTuple):
     about: dict[str, str]
 
 
-def write_mcap(file: Path, flight: RecordedFlight, context: FolderContext, log: VehicleLog | None = None) -> int:
+def write_mcap(file: Path, flight: FlightFolder, context: FolderContext, log: VehicleLog | None = None) -> int:
     """Write it, with the vehicle's own ``log`` where it was joined; how many messages it has. CompanionError: the
     library is missing. OSError: it cannot be written."""
     try:
-        from mcap.writer import Writer
+        from companion.record.export.mcap_writer import write_channels
     except ImportError:
         raise CompanionError(
             "no MCAP file: the library mcap is missing; pip install 'px4-path-companion[log]', or take --csv"
@@ -83,38 +69,28 @@ def write_mcap(file: Path, flight: RecordedFlight, context: FolderContext, log: 
     if log is not None:
         channels += [_numbers(series, context.epoch) for series in log_series(flight.table, log)]
     channels.append(_notes(context))
-    order = [Message(t, i, data) for i, channel in enumerate(channels) for t, data in channel.messages]
-    order.sort(key=itemgetter(0))
+    phases = {str(index): phase.value for index, phase in enumerate(Phase)}
     with file.open("wb") as out:
-        writer = Writer(out)
-        writer.start(profile="", library="companion")
-        ids = [
-            writer.register_channel(c.topic, "json", writer.register_schema(c.schema, "jsonschema", c.text))
-            for c in channels
-        ]
-        for t, i, data in order:
-            writer.add_message(ids[i], t, data, t)
-        phases = {str(index): phase.value for index, phase in enumerate(Phase)}
-        writer.add_metadata("phases", phases)
-        writer.add_metadata("flight", context.about)
-        writer.finish()  # type: ignore[no-untyped-call]
-    return len(order)
+        return write_channels(out, channels, {"phases": phases, "flight": context.about})
 
 
-def _nanoseconds(t: Array, epoch: float) -> list[int]:
+def _nanoseconds(t: Array, epoch: float) -> Times:
     # in two steps: seconds since 1970 have no nanoseconds in 53 bits
     whole = round(epoch * 1e6) * 1000
-    return [max(0, whole + nanoseconds) for nanoseconds in np.round(t * 1e9).astype(np.int64).tolist()]
+    return np.maximum(0, whole + np.round(t * 1e9).astype(np.int64))
+
+
+def _stamped(between: Sequence[str], times: Times, columns: Sequence[Numbers], missing: str) -> list[bytes]:
+    """JSON that begins with its time; ``between``: what stands before each number, and at the end."""
+    parts = ['{"timestamp":{"sec":', ',"nsec":', "}" + between[0], *between[1:]]
+    return as_lines(parts, [*np.divmod(times, 1_000_000_000), *columns], missing)
 
 
 def _numbers(series: Series, epoch: float) -> Channel:
     times = _nanoseconds(series.t, epoch)
-    keys = "".join(f',"{field.name}":%s' for field in series.fields)
-    template = f'{{"timestamp":%s{keys}}}'
-    columns = [as_numbers(np.asarray(values), "null") for values in series.values]
-    data = [(template % row).encode() for row in zip(map(stamp, times), *columns, strict=True)]
+    between = [f',"{field.name}":' for field in series.fields] + ["}"]
     text = series_schema(series.schema, series.fields)
-    return Channel(series.topic, series.schema, text, list(zip(times, data, strict=True)))
+    return Channel(series.topic, series.schema, text, times, _stamped(between, times, series.values, "null"))
 
 
 def _places(rows: Table) -> tuple[Array, Array]:
@@ -129,56 +105,43 @@ def _poses(table: Table, epoch: float) -> list[Channel]:
     return _moving("/vehicle/pose", points, quaternions, _nanoseconds(rows["now"], epoch), BODY)
 
 
-def _moving(topic: str, points: Array, quaternions: Array, times: list[int], frame: str | None) -> list[Channel]:
+def _moving(topic: str, points: Array, quaternions: Array, times: Times, frame: str | None) -> list[Channel]:
     """A pose over time; with ``frame``, what hangs on that frame moves with it."""
-    bodies = poses(points, quaternions)
-    stamps = list(map(stamp, times))
+    columns = pose_columns(points, quaternions)
     name = "foxglove.PoseInFrame"
-    data = [
-        f'{{"timestamp":{at},"frame_id":"{WORLD}","pose":{{{body}}}}}'.encode()
-        for at, body in zip(stamps, bodies, strict=True)
-    ]
-    found = [Channel(topic, name, well_known(name), list(zip(times, data, strict=True)))]
+    between = pose_parts("position", "orientation", f',"frame_id":"{WORLD}","pose":{{', "}}")
+    found = [Channel(topic, name, well_known(name), times, _stamped(between, times, columns, "0"))]
     if frame is not None:
         name = "foxglove.FrameTransform"
-        data = [
-            (
-                f'{{"timestamp":{at},"parent_frame_id":"{WORLD}","child_frame_id":"{frame}",'
-                + body.replace('"position"', '"translation"').replace('"orientation"', '"rotation"')
-                + "}"
-            ).encode()
-            for at, body in zip(stamps, bodies, strict=True)
-        ]
-        found.append(Channel("/tf", name, well_known(name), list(zip(times, data, strict=True))))
+        frames = f',"parent_frame_id":"{WORLD}","child_frame_id":"{frame}",'
+        between = pose_parts("translation", "rotation", frames, "}")
+        found.append(Channel("/tf", name, well_known(name), times, _stamped(between, times, columns, "0")))
     return found
 
 
-def _scenes(flight: RecordedFlight, epoch: float) -> list[Channel]:
+def _scenes(flight: FlightFolder, epoch: float) -> list[Channel]:
     fresh = flight.table[flight.table["fresh"] == 1]
     first = fresh["now"][:1] if len(fresh) else np.array([flight.begun_at])
-    (at,) = _nanoseconds(first, epoch)
-    _, points = path_points(flight.plan)
+    times = _nanoseconds(first, epoch)
+    at = int(times[0])
+    _, points = path_points(flight.path)
     flown, _ = _places(fresh[thinned(fresh["now"], FLOWN_RATE)])
     level = np.tile((1.0, 0.0, 0.0, 0.0), (len(points), 1))
-    along = ",".join(f"{{{pose}}}" for pose in poses(points, level))
+    along = b",".join(as_lines(pose_parts("position", "orientation", "{", "}"), pose_columns(points, level), "0"))
     scene, line = "foxglove.SceneUpdate", "foxglove.PosesInFrame"
-    whole = f'{{"timestamp":{stamp(at)},"frame_id":"{WORLD}","poses":[{along}]}}'.encode()
+    whole = f'{{"timestamp":{stamp(at)},"frame_id":"{WORLD}","poses":['.encode() + along + b"]}"
+    drawn = [
+        line_scene("path", points, PATH_COLOR, at),
+        line_scene("flown", flown, FLOWN_COLOR, at),
+        vehicle_scene(at),
+    ]
     return [
-        Channel("/path", line, well_known(line), [(at, whole)]),
-        Channel(
-            "/scene",
-            scene,
-            well_known(scene),
-            [
-                (at, line_scene("path", points, PATH_COLOR, at)),
-                (at, line_scene("flown", flown, FLOWN_COLOR, at)),
-                (at, vehicle_scene(at)),
-            ],
-        ),
+        Channel("/path", line, well_known(line), times, [whole]),
+        Channel("/scene", scene, well_known(scene), np.repeat(times, len(drawn)), drawn),
     ]
 
 
-def _truth(flight: RecordedFlight, epoch: float) -> list[Channel]:
+def _truth(flight: FlightFolder, epoch: float) -> list[Channel]:
     """The plant's true pose and motion."""
     fresh = flight.table[flight.table["fresh"] == 1]
     if flight.truth is None or len(fresh) < 2:
@@ -202,9 +165,10 @@ def _truth(flight: RecordedFlight, epoch: float) -> list[Channel]:
 
 def _notes(context: FolderContext) -> Channel:
     name = "foxglove.Log"
-    messages = []
-    for seconds, line in context.notes:
-        at = max(0, round(seconds * 1e6) * 1000)
-        entry = {"timestamp": json.loads(stamp(at)), "level": INFO, "message": line, "name": "companion"}
-        messages.append((at, json.dumps({**entry, "file": "", "line": 0}).encode()))
-    return Channel("/notes", name, well_known(name), messages)
+    times = [max(0, round(seconds * 1e6) * 1000) for seconds, _ in context.notes]
+    who = {"level": INFO, "name": "companion", "file": "", "line": 0}
+    data = [
+        json.dumps({"timestamp": json.loads(stamp(at)), **who, "message": line}).encode()
+        for at, (_, line) in zip(times, context.notes, strict=True)
+    ]
+    return Channel("/notes", name, well_known(name), np.array(times, dtype=np.int64), data)

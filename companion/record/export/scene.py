@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from companion.record.export.columns import Array, as_numbers
+from companion.record.export.columns import Array
 from companion.record.export.schemas import SHAPES
 
 WORLD, BODY = "local", "vehicle"
@@ -44,13 +44,16 @@ def stamp(nanoseconds: int) -> str:
     return f'{{"sec":{nanoseconds // 1_000_000_000},"nsec":{nanoseconds % 1_000_000_000}}}'
 
 
-def poses(points: Array, quaternions: Array) -> list[str]:
-    """Poses as JSON: ``points`` (n, 3) NED, ``quaternions`` (n, 4) wxyz FRD to NED."""
-    columns = [as_numbers(column, "0") for column in (*enu(points).T, *enu_flu(quaternions).T)]
-    return [
-        f'"position":{{"x":{x},"y":{y},"z":{z}}},"orientation":{{"x":{a},"y":{b},"z":{c},"w":{d}}}'
-        for x, y, z, a, b, c, d in zip(*columns, strict=True)
-    ]
+def pose_columns(points: Array, quaternions: Array) -> list[Array]:
+    """The numbers of poses: ``points`` (n, 3) NED, ``quaternions`` (n, 4) wxyz FRD to NED."""
+    return [*enu(points).T, *enu_flu(quaternions).T]
+
+
+def pose_parts(position: str, orientation: str, before: str, behind: str) -> list[str]:
+    """What stands around the numbers of a pose as JSON, under these names."""
+    x, *yz = (f',"{axis}":' for axis in "xyz")
+    a, *bcd = (f',"{axis}":' for axis in "xyzw")
+    return [f'{before}"{position}":{{{x[1:]}', *yz, f'}},"{orientation}":{{{a[1:]}', *bcd, "}" + behind]
 
 
 def line_scene(name: str, points: Array, color: tuple[float, ...], at: int) -> bytes:

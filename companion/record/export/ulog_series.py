@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from companion.record.export.channels import Series
-from companion.record.export.columns import CLOCK_DECIMALS, Array, as_numbers
+from companion.record.export.columns import Array, as_csv
 from companion.record.export.schemas import Field
 from companion.record.series import is_rising
 from companion.record.table import Table
@@ -41,17 +41,14 @@ def log_series(table: Table, log: VehicleLog) -> list[Series]:
     return found
 
 
-def log_tables(table: Table, log: VehicleLog) -> tuple[dict[str, str], list[tuple[str, str, str]]]:
+def log_tables(table: Table, log: VehicleLog) -> tuple[dict[str, bytes], list[tuple[str, str, str]]]:
     """File name -> CSV of a topic; (file, column, "unit, meaning") of each column."""
-    files: dict[str, str] = {}
+    files: dict[str, bytes] = {}
     legend: list[tuple[str, str, str]] = []
     for name, topic in log.topics.items():
         file = f"px4_{name}.csv"
         clocks = [our_clock(table, topic.t), topic.t]
-        columns = [as_numbers(clock, "", CLOCK_DECIMALS) for clock in clocks]
-        columns += [as_numbers(values, "") for values in topic.columns.values()]
-        heads = ["now", "t_boot", *topic.columns]
-        files[file] = "\n".join([",".join(heads), *map(",".join, zip(*columns, strict=True))]) + "\n"
+        files[file] = as_csv(["now", "t_boot", *topic.columns], [*clocks, *topic.columns.values()])
         legend += [(file, "now", "s, our clock"), (file, "t_boot", "s, the vehicle's clock")]
         for column in topic.columns:
             of = COLUMNS[name][column]
