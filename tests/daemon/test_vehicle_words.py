@@ -63,3 +63,11 @@ def test_a_stop_that_a_landing_answers_is_not_silence(stopped: Flown) -> None:
     conductor.stop()
     conductor.stop()
     assert conductor.notes == ["told to stop: land goes on to its end; a second time ends at once"]
+
+
+def test_a_stop_after_the_flight_leaves_nothing_to_do_at_once(stopped: Flown) -> None:
+    conductor, now = stopped.conductor, stopped.between.now
+    assert conductor.done
+    conductor.stop()
+    conductor.on_timer(now)
+    assert conductor.next_timer() > now
