@@ -27,6 +27,9 @@ from trials.faults.traffic import Traffic
 WATCHED = 5.0
 """s for which a vehicle that a failsafe holds is watched, where the companion would for 300 s."""
 
+TURNS_MAX = 1000
+"""Turns of the companion at one moment: more is a timer that is due again and again."""
+
 
 def fly(case: Case, level: OutputLevel, seed: int = 0) -> Flight:
     """Fly a case. What the companion raises is raised."""
@@ -81,8 +84,11 @@ class Sortie:
         conductor, bridge = self.conductor, self.bridge
         bridge.step()
         now = bridge.now
-        arrived = self._arrived()
+        arrived, turns = self._arrived(), 0
         while arrived or now >= conductor.next_timer():
+            turns += 1
+            if turns > TURNS_MAX:
+                raise RuntimeError(f"the companion has not done with {now:g} s after {turns} turns")
             if arrived:
                 conductor.receive(arrived, now)
             if now >= conductor.next_timer():
