@@ -72,11 +72,13 @@ def selecting(bridge: Bridge, conductor: Conductor) -> None:
 def placed(
     level: OutputLevel, *, own_mode: bool, duration: float, speed: float = 3.0,
     mode_levels: frozenset[OutputLevel] = MODE_LEVELS, world: str = "sih",
+    seed: int = 0,
 ) -> tuple[Bridge, Conductor]:  # fmt: skip
     """A vehicle in a hover on the circle, and a companion that is to fly it; nothing has been said yet."""
     machine = load_vehicle("sih")
     mission = dataclasses.replace(load_mission("circle_r5", law_level(level)), speed=ConstantSpeed(speed))
-    bridge = Bridge(machine, load_world(world), start=start_of(mission, held=False), endpoints=1, xrce=Release.MAIN)
+    start = start_of(mission, held=False)
+    bridge = Bridge(machine, load_world(world), seed=seed, start=start, endpoints=1, xrce=Release.MAIN)
     bridge.autopilot.parameters["UXRCE_DDS_SYNCT"] = 0
     orders = Orders(
         mission, machine, level, duration, Origin.LOCAL, set_parameters=True, has_xrce=True,

@@ -6,6 +6,7 @@ motion_estimate          what both have in common: position, velocity and forces
 rate_loop_model          how its rate loop and motors answer a command
 rate_loop_identification the lag and gain of its rate loop; yaw_loop_identification: the lag in yaw
 body_model               what stands between a motor command and what the vehicle does
+angular_damping          how the air damps the turning of the body, found in flight
 kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, and how the reported ones wander
 noise_levels, adaptation how noisy it is, and how that is found
 estimator                what keeps the filter consistent: freezing, clamps, noise, resets

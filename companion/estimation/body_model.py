@@ -1,10 +1,11 @@
 """The model of motors and body: what stands between a motor command and what the vehicle does.
 
     tau' = (tau_cmd - tau) / motor_lag           thrust and torques (the wrench), as the rotors make them
-    J w' = tau - w x J w + J trim                Eq. (2), with a disturbance of the turning
+    J w' = tau - w x J w + J (trim - damping w)  Eq. (2), with a disturbance of the turning
 
-The trim is what the model does not know: rotors that do not match, a centre of mass beside its place, drag of the
-turning. It is observed from the gyro, and taken out of the torques that are asked for.
+The trim is what the model does not know: rotors that do not match, a centre of mass beside its place. It is observed
+from the gyro; what of it follows the body rates is found as their damping (``angular_damping``). Both are taken out of
+the torques that are asked for.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ from companion.frames import Quaternion, Vec3, body_z_axis, clamped, from_rotati
 Wrench = tuple[float, float, float, float]
 """Thrust (N) and torques about the body axes (N m)."""
 
-TURN_OBSERVER = (12.0, 36.0)
-"""1/s, 1/s^2: gains from the gyro's innovation to the body rates and the trim. Both poles of the observer at -6 1/s
-(pole placement): the trim of a motor that fails is known after 0.3 s, and a gyro that shakes by 0.09 rad/s leaves a
-quarter of that in the rates. Engineering choice."""
+TURN_OBSERVER_POLE = 6.0
+"""1/s: both poles of the observer of body rates and trim at -6 1/s: the trim of a motor that fails is known after 0.3
+s, and a gyro that shakes by 0.09 rad/s leaves a quarter of that in the rates. Engineering choice."""
+TURN_OBSERVER = (2.0 * TURN_OBSERVER_POLE, TURN_OBSERVER_POLE**2)
+"""1/s, 1/s^2: gains from the gyro's innovation to the body rates and the trim. By pole placement."""
 TURN_OBSERVER_STEP_MAX = 0.03
 """s, the longest step of the observer (explicit Euler), which keeps it stable at low rates. Engineering choice."""
 TRIM_MAX = 40.0
@@ -47,11 +49,17 @@ class TimedWrench(NamedTuple):
 
 class BodyState(NamedTuple):
     """The state of the model. ``w_b``: rad/s, body rates. ``acting``: what the motors make of the commanded wrench.
-    ``trim``: rad/s^2."""
+    ``trim``: rad/s^2. ``damping``: 1/s."""
 
     w_b: Vec3
     acting: Wrench
     trim: Vec3 = (0.0, 0.0, 0.0)
+    damping: Vec3 = (0.0, 0.0, 0.0)
+
+    def turning(self, w_b: Vec3) -> Vec3:
+        """rad/s^2, what turns the body at the rates ``w_b`` (rad/s) beside its motors."""
+        (tp, tq, tr), (cp, cq, cr), (p, q, r) = self.trim, self.damping, w_b
+        return (tp - cp * p, tq - cq * q, tr - cr * r)
 
 
 def propagate_body(
@@ -84,6 +92,7 @@ def correct_body_with_gyro(body_state: BodyState, measured_b: Vec3, dt: float) -
             clamped(tq + far * iq, -TRIM_MAX, TRIM_MAX),
             clamped(tr + far * ir, -TRIM_MAX, TRIM_MAX),
         ),
+        body_state.damping,
     )
 
 
@@ -118,25 +127,25 @@ def predict_body(
 
 def _step(body_state: BodyState, body: Body, command: Wrench, h: float) -> tuple[BodyState, float, Vec3]:
     """The state ``h`` s later, the mean thrust (N), and the body rates in the middle (rad/s)."""
-    w_b, (f, u2, u3, u4), trim = body_state
+    w_b, (f, u2, u3, u4), trim, damping = body_state
     left, mean = thrust_transition(body.motor_lag, h)
     cf, c2, c3, c4 = command
     torque = (c2 + mean * (u2 - c2), c3 + mean * (u3 - c3), c4 + mean * (u4 - c4))
     half = 0.5 * h
     p, q, r = w_b
-    a, b, c = _turning(w_b, torque, body.inertia, trim)
+    a, b, c = _turning(w_b, torque, body.inertia, trim, damping)
     middle = (p + half * a, q + half * b, r + half * c)
-    a, b, c = _turning(middle, torque, body.inertia, trim)
+    a, b, c = _turning(middle, torque, body.inertia, trim, damping)
     acting = (cf + left * (f - cf), c2 + left * (u2 - c2), c3 + left * (u3 - c3), c4 + left * (u4 - c4))
-    later = BodyState((p + h * a, q + h * b, r + h * c), acting, trim)
+    later = BodyState((p + h * a, q + h * b, r + h * c), acting, trim, damping)
     return later, cf + mean * (f - cf), middle
 
 
-def _turning(w_b: Vec3, torque: Vec3, inertia: Vec3, trim: Vec3) -> Vec3:
+def _turning(w_b: Vec3, torque: Vec3, inertia: Vec3, trim: Vec3, damping: Vec3) -> Vec3:
     """w', rad/s^2 (Eq. 2)."""
     (p, q, r), (jx, jy, jz) = w_b, inertia
     return (
-        (torque[0] - (jz - jy) * q * r) / jx + trim[0],
-        (torque[1] - (jx - jz) * r * p) / jy + trim[1],
-        (torque[2] - (jy - jx) * p * q) / jz + trim[2],
+        (torque[0] - (jz - jy) * q * r) / jx + trim[0] - damping[0] * p,
+        (torque[1] - (jx - jz) * r * p) / jy + trim[1] - damping[1] * q,
+        (torque[2] - (jy - jx) * p * q) / jz + trim[2] - damping[2] * r,
     )

@@ -1,14 +1,16 @@
 """The estimate block of a vehicle that takes motor commands: its motion, and how its body turns under them.
 
 advance_motor_estimate   model of motors and body, gyro observer, prediction of position and velocity
-learn_motor_estimate     the Kalman filter, every UPDATE_PERIOD: see ``motion_estimate``
+learn_motor_estimate     the Kalman filter, every UPDATE_PERIOD: see ``motion_estimate``; the damping of the turning
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+from companion.estimation.angular_damping import NO_TURNING, Regressions, damping_of, update_regressions
 from companion.estimation.body_model import (
+    TURN_OBSERVER_POLE,
     Body,
     BodyState,
     TimedWrench,
@@ -36,23 +38,27 @@ looks for is quicker than 0.5 s. Engineering choice."""
 
 class MotorEstimate(NamedTuple):
     """What is known of the vehicle at the stamp of its last state. ``motion``: position, velocity, forces.
-    ``body_state``: of the model of motors and body."""
+    ``body_state``: of the model of motors and body. ``regressions``: what its damping follows from."""
 
     motion: MotionEstimate
     body_state: BodyState
+    regressions: Regressions = NO_TURNING
 
 
-def begin_motor_estimate(state: VehicleState, prior: Prior, body: Body, gravity: float) -> MotorEstimate:
+def begin_motor_estimate(
+    state: VehicleState, prior: Prior, body: Body, gravity: float, regressions: Regressions = NO_TURNING
+) -> MotorEstimate:
     """Hovering, as far as anybody knows."""
     motion = begin_motion(state, prior, gravity)
     hovering = body.mass * gravity / motion.estimator.belief.thrust_scale
-    return MotorEstimate(motion, BodyState(state.w_b, (hovering, 0.0, 0.0, 0.0)))
+    body_state = BodyState(state.w_b, (hovering, 0.0, 0.0, 0.0), damping=damping_of(regressions))
+    return MotorEstimate(motion, body_state, regressions)
 
 
 def restart_motor_estimate(estimate: MotorEstimate, body: Body, state: VehicleState) -> MotorEstimate:
     """A beginning at ``state`` that keeps what was learned of the vehicle."""
     motion = estimate.motion
-    return begin_motor_estimate(state, known_prior(motion), body, motion.gravity)
+    return begin_motor_estimate(state, known_prior(motion), body, motion.gravity, estimate.regressions)
 
 
 def advance_motor_estimate(
@@ -65,23 +71,27 @@ def advance_motor_estimate(
     body_state = correct_body_with_gyro(body_state, state.w_b, now - before)
     motion, at_once = advance_motion(estimate.motion, thrust / body.mass, state, limited, moving)
     if motion.estimator.restrained:  # what holds it turns it too: that is no rotor which gives less
-        body_state = BodyState(state.w_b, body_state.acting)
-    return MotorEstimate(learn_motion(motion) if at_once else motion, body_state)
+        body_state = BodyState(state.w_b, body_state.acting, damping=body_state.damping)
+    return MotorEstimate(learn_motion(motion) if at_once else motion, body_state, estimate.regressions)
 
 
 def learn_motor_estimate(estimate: MotorEstimate) -> MotorEstimate:
-    """``estimate`` with the filter updated, where that is due."""
-    pending = estimate.motion.pending
+    """``estimate`` with the filter and the damping updated, where that is due."""
+    pending, body_state = estimate.motion.pending, estimate.body_state
     if pending is None or pending.dt < UPDATE_PERIOD:
         return estimate
-    return MotorEstimate(learn_motion(estimate.motion), estimate.body_state)
+    regressions = update_regressions(
+        estimate.regressions, body_state.w_b, body_state.trim, body_state.damping, TURN_OBSERVER_POLE, pending.dt
+    )
+    body_state = body_state._replace(damping=damping_of(regressions))
+    return MotorEstimate(learn_motion(estimate.motion), body_state, regressions)
 
 
 def trust_state(estimate: MotorEstimate, body: Body, commands: Commands, state: VehicleState) -> MotorEstimate:
     """``estimate`` at a new state that is taken as it is: of a vehicle that is what its file says."""
     body_state, _ = propagate_body(estimate.body_state, body, commands, estimate.motion.state.t_boot, state.t_boot)
     motion = estimate.motion._replace(state=state, p_n=state.p_n, v_n=state.v_n)
-    return MotorEstimate(motion, body_state._replace(w_b=state.w_b))
+    return MotorEstimate(motion, body_state._replace(w_b=state.w_b), estimate.regressions)
 
 
 def predict_motors(

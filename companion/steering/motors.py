@@ -213,7 +213,7 @@ class MotorSteering:
         """Trim, relax: N m to command, without what turns the body anyway. Not relaxed, poles of -6, -6, -6, -14 and a
         motor lag of 50 ms swing at every step."""
         (u2, u3, u4), (jx, jy, jz) = self._within_rates(command.turn, w_b), self.vehicle.inertia
-        tp, tq, tr = memory.estimate.body_state.trim
+        tp, tq, tr = memory.estimate.body_state.turning(w_b)
         _, l2, l3, l4 = memory.commands[-1].wrench
         ratio = timing.relaxation(self.rate_gain)
         return (

@@ -9,6 +9,7 @@ import pytest
 
 from companion.estimation.learned import Learned
 from companion.plan import prepared
+from companion.steering.motors import MotorMemory
 from companion.vehicle import MotorInterface, OutputLevel, VehicleState
 from companion.world import Link, Way
 from trials.measured import Measured, course, machine, measure_flight, world
@@ -46,6 +47,10 @@ def test_in_a_quiet_world_it_is_nearer_than_a_centimetre() -> None:
     assert learned.hover_thrust == pytest.approx(0.4905, rel=0.02)
     assert learned.drag == pytest.approx(1.0, abs=0.1)
     assert learned.rate_lag == 0.071  # of the rate loop, which was not flown: as told
+    memory = done.conductor.memory
+    assert memory is not None
+    assert isinstance(memory.steering.memory, MotorMemory)
+    assert memory.steering.memory.estimate.body_state.damping[:2] == pytest.approx((1.0, 1.0), abs=0.2)  # SIH_KDW
 
 
 def test_what_was_learned_of_the_loops_it_does_not_fly_is_kept() -> None:
