@@ -18,7 +18,7 @@ from companion.daemon.conductor import Conductor, Tick
 from companion.daemon.scribe import Helper
 from companion.daemon.status_file import LIVE, PATH, own_directory
 from companion.frames import euler_from_rotation
-from companion.pilot import yaw_error
+from companion.pilot import latest_steered, yaw_error
 from companion.plan import Plan
 from companion.record.owned_files import READABLE, write_owned
 
@@ -46,7 +46,7 @@ def live_document(conductor: Conductor, now: float) -> dict[str, Any] | None:
             said["follow_s"] = _round(state.t_boot - memory.path.follow_from)
     if memory.path.progress is not None:
         said |= {"path_error_m": _round(memory.path.progress.path_error), "s_m": _round(memory.path.progress.s)}
-    steered = tick.outcome.steered
+    steered = latest_steered(memory, tick.outcome)
     if steered is not None:
         speed = steered.command.speed * (-1.0 if memory.path.leg < 0.0 else 1.0)
         said |= {

@@ -6,23 +6,34 @@ import math
 
 from companion.daemon.conductor import Conductor, Tick
 from companion.daemon.orders import Orders
-from companion.pilot import yaw_error
+from companion.flight.phases import Phase
+from companion.pilot import latest_steered, yaw_error
 from companion.record.folder import Recorder
 
+OFF_THE_PATH = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN, Phase.DISARM, Phase.RELEASE)
+"""Phases in which the autopilot flies by itself: its height is of interest, and no error of the path."""
 
-def line(tick: Tick, rate: float, garbage: int = 0) -> str:
-    """Time of following, path error, speed, yaw error, tilt, loop rate; bytes that were no message, if there were."""
-    memory, steered = tick.memory, tick.outcome.steered
+
+def line(tick: Tick, rate: float, garbage: int = 0, ground: float | None = None) -> str:
+    """Time of following, path error, speed, yaw error, tilt, loop rate; bytes that were no message, if there were.
+
+    Where the autopilot takes off or lands: its height above ``ground`` (m, down) in the place of the path's figures.
+    """
+    memory, steered, state = tick.memory, latest_steered(tick.memory, tick.outcome), tick.memory.state
     parts = [f"{memory.phase.value:<10}"]
-    if memory.path.follow_from is not None and memory.state is not None:
-        parts.append(f"{memory.state.t_boot - memory.path.follow_from:6.1f} s")
-    if memory.path.progress is not None:
-        parts.append(f"path error {100.0 * memory.path.progress.path_error:6.1f} cm")
+    if memory.phase in OFF_THE_PATH:
+        if state is not None and ground is not None:
+            parts.append(f"height {ground - state.p_n[2]:6.1f} m")
+    else:
+        if memory.path.follow_from is not None and state is not None:
+            parts.append(f"{state.t_boot - memory.path.follow_from:6.1f} s")
+        if memory.path.progress is not None:
+            parts.append(f"path error {100.0 * memory.path.progress.path_error:6.1f} cm")
     if steered is not None:
         parts.append(f"speed {steered.command.speed:6.2f} of {steered.command.alpha:.2f} m/s")
         parts.append(f"yaw error {math.degrees(yaw_error(steered)):6.1f} deg")
-    if memory.state is not None:
-        parts.append(f"tilt {math.degrees(memory.state.tilt):4.1f} deg")
+    if state is not None:
+        parts.append(f"tilt {math.degrees(state.tilt):4.1f} deg")
     parts.append(f"{rate:.0f} Hz")
     if garbage:
         parts.append(f"{garbage} bytes of garbage")
@@ -80,4 +91,5 @@ class Watch:
             return None
         rate = (conductor.states - self._states) / passed
         self._shown_at, self._states = now, conductor.states
-        return line(tick, rate, conductor.decoder.counters.garbage_bytes)
+        ground = None if conductor.plan is None else conductor.plan.conduct.limits.ground
+        return line(tick, rate, conductor.decoder.counters.garbage_bytes, ground)

@@ -16,6 +16,7 @@ bit; that is what ``companion replay`` does.
 from __future__ import annotations
 
 from companion.flight.epilogue import sentence
+from companion.flight.phases import FLOWN
 from companion.frames import wrap
 from companion.pilot.inputs import follows_commands
 from companion.pilot.memory import (
@@ -36,8 +37,8 @@ from companion.vehicle import Mode
 
 __all__ = [
     "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "LawOutput", "Memory", "Observation", "Outcome", "Progress", "begin",
-    "completed", "compute_setpoint", "epilogue", "follows_commands", "may_be_selected", "step", "supervise",
-    "wake_at", "yaw_error",
+    "completed", "compute_setpoint", "epilogue", "follows_commands", "latest_steered", "may_be_selected", "step",
+    "supervise", "wake_at", "yaw_error",
 ]  # fmt: skip
 
 
@@ -47,6 +48,12 @@ def epilogue(memory: Memory, mode: Mode | None) -> str | None:
     if fault is None or memory.last_event is None:
         return None
     return sentence(fault.reason, fault.event, fault.advice, memory.last_event, mode, memory.done)
+
+
+def latest_steered(memory: Memory, outcome: Outcome) -> Steered | None:
+    """How the latest setpoint came about. A tick without a new state has none of its own: the one in force."""
+    kept = memory.steering.steered if memory.phase in FLOWN else None
+    return outcome.steered if outcome.steered is not None else kept
 
 
 def yaw_error(steered: Steered) -> float:
