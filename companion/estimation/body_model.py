@@ -25,7 +25,7 @@ TURN_OBSERVER_POLE = 6.0
 """1/s: both poles of the observer of body rates and trim at -6 1/s: the trim of a motor that fails is known after 0.3
 s, and a gyro that shakes by 0.09 rad/s leaves a quarter of that in the rates. Engineering choice."""
 TURN_OBSERVER = (2.0 * TURN_OBSERVER_POLE, TURN_OBSERVER_POLE**2)
-"""1/s, 1/s^2: gains from the gyro's innovation to the body rates and the trim. By pole placement."""
+"""1/s, 1/s^2: gains from the gyro's innovation to the body rates and the trim. By definition of its poles."""
 TURN_OBSERVER_STEP_MAX = 0.03
 """s, the longest step of the observer (explicit Euler), which keeps it stable at low rates. Engineering choice."""
 TRIM_MAX = 40.0
