@@ -152,7 +152,7 @@ class Preparation:
             self._compare(vehicle)
             if self.xrce is not None and self.xrce.flight_mode is not None:
                 name = self.xrce.flight_mode.name
-                self.notes.append(f"the flight mode {name} is registered; what is said of OFFBOARD is meant of {name}")
+                self.notes.append(f"the flight mode {name} is registered; OFFBOARD in a line means {name}")
             self.choice = output.chosen(orders.level, tuning, auto=orders.auto, consent=consent, over_xrce=over)
             self._set_parameters(orders, self.choice, now)
             if not self.parameters.settled:

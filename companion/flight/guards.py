@@ -76,7 +76,7 @@ def _not_ours(s: Situation) -> str | None:
 def _ready_for_pilot(s: Situation) -> str | None:
     if s.authority is not ControlAuthority.PILOT or s.missing is not None:
         return None
-    return "all is ready; the path is flown while the pilot has OFFBOARD selected"
+    return f"all is ready; the path is flown while the pilot has {s.flown_in} selected"
 
 
 def _ready_to_rehearse(s: Situation) -> str | None:
@@ -98,7 +98,7 @@ def _in_air(s: Situation) -> str | None:
 def _in_offboard(s: Situation) -> str | None:
     if s.authority is ControlAuthority.PILOT:
         flies = s.status.armed and s.status.landed is Landed.IN_AIR and s.status.mode is Mode.OFFBOARD
-        return "the pilot selected OFFBOARD" if flies else None
+        return f"the pilot selected {s.flown_in}" if flies else None
     # an accepted change is the vehicle's word as much as a heartbeat is, and up to a second earlier
     if s.status.mode is Mode.OFFBOARD or (s.answer is not None and s.answer.accepted):
         return "OFFBOARD accepted"

@@ -54,3 +54,4 @@ class Situation(NamedTuple):
     late: float = 0.0  # s that the last state came late
     answered: float = 0.0  # s since the answer came
     armed_heard: float = math.inf  # s since armed was last said
+    flown_in: str = "OFFBOARD"  # what the pilot's ground station calls the mode that flies on our setpoints

@@ -147,6 +147,7 @@ def situation(
         late=memory.watch.late,
         answered=now - memory.request.answered_at,
         armed_heard=math.inf if armed is None else now - armed.at,
+        flown_in=conduct.own_mode or "OFFBOARD",
     )
 
 

@@ -148,6 +148,10 @@ def test_a_failsafe_is_left_alone_and_offboard_let_go_of() -> None:
 def test_a_pilot_may_leave_and_come_back() -> None:
     on = situation(Phase.STAND_BY, authority=ControlAuthority.PILOT)
     assert decide(on) == (Phase.SETTLE, Event.IN_OFFBOARD, "the pilot selected OFFBOARD")
+    named = on._replace(flown_in="Survey")  # as the pilot's ground station calls it
+    assert decide(named) == (Phase.SETTLE, Event.IN_OFFBOARD, "the pilot selected Survey")
+    waiting = decide(named._replace(phase=Phase.PREFLIGHT))
+    assert waiting is not None and waiting[2].endswith("while the pilot has Survey selected")
     assert decide(on._replace(status=FLYING._replace(landed=Landed.ON_GROUND))) is None
     left = decide(situation(
         Phase.FOLLOW, authority=ControlAuthority.PILOT, status=FLYING._replace(mode=Mode.POSITION, intended=Mode.POSITION)
