@@ -109,7 +109,10 @@ def _enter(moment: Moment, memory: Memory, phase: Phase, event: Event, reason: s
         ),
         from_ground=memory.from_ground or event is Event.READY_ON_GROUND,
         finished=memory.finished or event is Event.FINISHED,
-        done=memory.done._replace(left=True) if phase in BY_ITSELF else memory.done,
+        done=memory.done._replace(
+            left=memory.done.left or phase in BY_ITSELF,
+            armed=memory.done.armed or event is Event.ARMED,  # seen, where the answer to ARM was lost
+        ),
     )
     state = memory.state
     if state is None:

@@ -295,6 +295,14 @@ def test_the_operator_disarms_just_after_arming() -> None:
     assert flown.between.truth.on_ground
 
 
+def test_what_was_armed_unanswered_is_not_called_unflown() -> None:
+    unanswered = silent("COMMAND_ACK", since=0.0)
+    lost = in_phase("take over", lambda flown, now: silent("COMMAND_ACK", "ODOMETRY", since=now)(flown))
+    flown = flight(level=OutputLevel.RATES, from_ground=True, prepare=unanswered, meddle=lost)
+    assert "nothing was flown" not in said(flown)
+    assert "the vehicle is in Hold" in said(flown)
+
+
 def test_offboard_requests_are_lost_and_the_operator_lands() -> None:
     def lossy(flown: Flown) -> None:
         def up(data: bytes, now: float) -> list[bytes]:
