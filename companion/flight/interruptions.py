@@ -35,9 +35,9 @@ OLD_MODE_WITHIN = 0.2
 """s after OFFBOARD was accepted in which the mode before may still be told, as it was sent before; told later, OFFBOARD
 was left again. Engineering choice: PX4 answers and changes within a few ms, two times the longest way that is flown
 with."""
-AGAIN_WITHIN = 1.0
-"""s into a phase in which the mode that it began in may have been asked for by our own request, brought twice by the
-link: such a mode is nobody's decision for certain. Engineering choice: the latest second frame seen is 0.4 s late."""
+AGAIN_WITHIN = 5.0
+"""s into a phase in which the mode that it began in may have been asked for by our own request, which the link brought
+late or twice: such a mode is nobody's decision for certain. Engineering choice, as long as an answer is waited for."""
 BEGINS = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN)
 """The phases in which the vehicle does by itself what it was asked for."""
 EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {

@@ -103,7 +103,7 @@ def test_a_human_who_changes_the_mode_wins() -> None:
 def test_a_mode_of_our_own_asking_that_comes_once_more_is_nobodys_word_for_certain() -> None:
     held = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
     landing = situation(Phase.LAND, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=9.7, now=10.0)
-    early, late = decide(landing), decide(landing._replace(entered=8.0))
+    early, late = decide(landing), decide(landing._replace(entered=4.0))
     assert early is not None and late is not None
     assert early[2] == "in land the vehicle says Hold again: somebody selected it, or an old word came once more"
     assert late[2] == "the operator took over: the mode is Hold now"
