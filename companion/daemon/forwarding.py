@@ -23,13 +23,16 @@ from companion.daemon.port import AddressError
 from companion.mavlink.codec import MAGIC_V1, MAGIC_V2
 
 EXPECTED = "expected udpout://HOST:PORT[?max_hz=HZ][&commands=yes|no]"
-PERIOD = 0.01
-"""s between two exchanges, after a turn. Engineering choice: a tenth of the calls, and no ground station notices."""
+PERIOD = 0.0075
+"""s between two exchanges, right after a setpoint: after each one where PX4 is asked for states at 125 Hz. Engineering
+choice: few calls, and no ground station notices."""
+PERIOD_WITHOUT_STATES = 0.03
+"""s between two where no setpoint was sent. Engineering choice: longer than states are apart in a flight."""
 BUFFER = 1 << 20
 """bytes that wait for the endpoints' process at most, if the system permits; what comes then is dropped. Seconds of a
 busy link. Engineering choice."""
 UP_AT_ONCE = 4
-"""Frames that the control thread sends on in one exchange. Engineering choice: 400 a second."""
+"""Frames that the control thread sends on in one exchange. Engineering choice: 500 a second."""
 WORDS_MAX = 8192
 """bytes of what the endpoints' process sends at once: a frame, or its last words of 120 bytes an endpoint."""
 MODULE = "companion.daemon.endpoints"
@@ -81,7 +84,7 @@ class Forwarder:
         self._frames: list[bytes] = []
         self.give = self._frames.extend
         self._note = note
-        self._due = -math.inf
+        self._exchanged_at = -math.inf
         self._dropped = 0
         self._words: list[str] | None = None
         with contextlib.ExitStack() as handed_over:
@@ -104,11 +107,12 @@ class Forwarder:
         """Of the endpoints' process."""
         return self._process.pid
 
-    def exchange(self, now: float) -> list[bytes]:
-        """Hand over what was given, where that is due at ``now`` s; a few frames of the endpoints for the vehicle."""
-        if now < self._due:
+    def exchange(self, now: float, *, answered: bool) -> list[bytes]:
+        """Hand over what was given, where that is due at ``now`` s; a few frames of the endpoints for the vehicle.
+        ``answered``: a state was, just now, and the next one is a period away."""
+        if now - self._exchanged_at < (PERIOD if answered else PERIOD_WITHOUT_STATES):
             return []
-        self._due = now + PERIOD
+        self._exchanged_at = now
         frames = self._frames
         if frames and self._words is None:
             try:

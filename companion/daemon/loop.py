@@ -156,7 +156,7 @@ class _Flight:
     def _turn(self) -> None:
         flown = self._flown
         batch = self._next()
-        arrived = clock()
+        arrived, states = clock(), self._states
         if batch:
             urgent, later = self._split(batch)
             flown.receive(urgent, arrived)
@@ -173,7 +173,7 @@ class _Flight:
             flown.on_timer(now)
             self._send()
         if self._forwarder is not None:
-            self._send_on(self._forwarder.exchange(now), now)
+            self._send_on(self._forwarder.exchange(now, answered=self._states != states), now)
         self._service.alive(now)
         self._hand_over(now)
         if self._conductor.plan is not None and not self._frozen:

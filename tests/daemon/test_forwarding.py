@@ -207,7 +207,7 @@ def test_the_control_thread_takes_few_and_never_waits(stations: list[Station]) -
     forwarder, notes = started(stations[0].endpoint())
     beat = Encoder(1, 1).message(HEARTBEAT, type=2)
     forwarder.give([beat])
-    assert forwarder.exchange(0.0) == []
+    assert forwarder.exchange(0.0, answered=True) == []
     stations[0].socket.settimeout(10.0)
     data, it = stations[0].socket.recvfrom(1024)
     assert data == beat
@@ -217,19 +217,23 @@ def test_the_control_thread_takes_few_and_never_waits(stations: list[Station]) -
     found: list[bytes] = []
     now, until = 1.0, time.monotonic() + 10.0
     while len(found) < 20 and time.monotonic() < until:
-        some = forwarder.exchange(now)
-        assert len(some) <= UP_AT_ONCE and forwarder.exchange(now) == []  # not due again
+        some = forwarder.exchange(now, answered=True)
+        assert len(some) <= UP_AT_ONCE and forwarder.exchange(now, answered=True) == []  # not due again
         found += some
         now += 0.01
     assert found == [one] * 20
+    stations[0].socket.sendto(one, it)
+    time.sleep(0.1)
+    assert forwarder.exchange(now + 0.01, answered=False) == []  # a state may come at any time: only later
+    assert forwarder.exchange(now + 0.04, answered=False) == [one]
     os.kill(forwarder.pid, signal.SIGSTOP)
     for _ in range(3000):
         forwarder.give([beat] * 6)
-        forwarder.exchange(now)
+        forwarder.exchange(now, answered=True)
         now += 0.01
     os.kill(forwarder.pid, signal.SIGCONT)
     told = forwarder.close(10.0)
-    assert notes == [] and f"forwarded to {stations[0].endpoint()}: " in told[0] and "20 passed on" in told[0]
+    assert notes == [] and f"forwarded to {stations[0].endpoint()}: " in told[0] and "21 passed on" in told[0]
     sent, dropped = (int(words.split(": ")[1].split()[0]) for words in told)
     assert sent + dropped == 18001 and dropped > 0 and "held up" in told[1]
 
@@ -240,7 +244,7 @@ def test_a_process_that_ends_in_flight_is_told_once_and_the_flight_goes_on(stati
     forwarder._process.wait(10.0)
     for tick in range(5):
         forwarder.give([Encoder(1, 1).message(HEARTBEAT)])
-        assert forwarder.exchange(float(tick)) == []
+        assert forwarder.exchange(float(tick), answered=True) == []
     assert forwarder.close(5.0) == [] and forwarder._frames == []
     (note,) = notes
     assert "forwarding has ended" in note and "the flight goes on" in note
@@ -257,7 +261,7 @@ from companion.daemon.realtime import at_priority
 at_priority(1)
 forwarder = Forwarder([Endpoint({to.host!r}, {to.port}, None, True)], print)
 forwarder.give([{beat!r}])
-forwarder.exchange(0.0)
+forwarder.exchange(0.0, answered=True)
 print(forwarder.pid, flush=True)
 input()
 print(forwarder.close(10.0), flush=True)
