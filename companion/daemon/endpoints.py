@@ -104,13 +104,17 @@ class Line:
 
     def take(self, now: float) -> list[bytes]:
         """The frames that came and may go on to the vehicle."""
-        with contextlib.suppress(OSError):
+        try:
             for _ in range(DATAGRAMS_A_LOOK):
                 data = self.socket.recv(DATAGRAM_MAX)
                 if self.commands:
                     self._decoder.datagram(data)
                 else:
                     self.refused += 1
+        except ConnectionRefusedError:  # nobody heard what was sent last
+            self.sent, self.unsent = self.sent - 1, self.unsent + 1
+        except OSError:  # that was all
+            pass
         passed = []
         for frame in self.frames:
             if message_of(frame) not in SETPOINTS and self.budget.spend(len(frame), now):

@@ -28,6 +28,8 @@ from companion.daemon.scribe import DISK_PATIENCE, SCREEN_PATIENCE, Scribe, Tell
 from companion.daemon.status_file import StatusFile
 from companion.daemon.systemd import Service
 from companion.daemon.warm_up import WarmUp
+from companion.mavlink.codec import Decoder
+from companion.mavlink.own_parameters import WANTED as OWN_WANTED
 from companion.mavlink.peer import Received
 from companion.record.folder import Recorder
 from companion.vehicle import CompanionError
@@ -129,6 +131,7 @@ class _Flight:
         self._recorder = recorder
         self._teller = teller
         self._forwarder = forwarder
+        self._asked = Decoder(wanted=OWN_WANTED, signing=conductor.decoder.signing)
         self._xrce = xrce
         self._rhythm, self._warm_up = Rhythm(), WarmUp()
         self._states = 0
@@ -225,14 +228,18 @@ class _Flight:
             self._xrce.flush(clock())
 
     def _send_on(self, frames: list[bytes], now: float) -> None:
-        """What endpoints have for the vehicle, unchanged."""
-        to = self._conductor.link.peers.to
+        """What endpoints have for the vehicle, unchanged. Who asks for our own parameters or sets them is answered, as
+        a ground station behind the vehicle is."""
+        to, identity = self._conductor.link.peers.to, self._conductor.link.identity
         if to is None:
             return
         for frame in frames:
             self._port.send(frame, to)
             if self._recorder is not None:
                 self._recorder.add_frame(now, frame)
+            for asked in self._asked.datagram(frame):
+                if identity is not None and self._flown is self._conductor:
+                    self._conductor.ground.receive(asked, identity.system, now, of_vehicle=False)
 
     def _hand_over(self, now: float) -> None:
         """What was said goes to the record and to the screen."""

@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from mavsdk.plugins.action import Action
@@ -35,6 +36,7 @@ from companion.daemon.forwarding import (
     Forwarder,
     parse_endpoint,
 )
+from companion.daemon.loop import _Flight
 from companion.daemon.port import AddressError
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import message
@@ -170,6 +172,7 @@ def test_one_that_floods_and_one_that_is_gone_cost_the_others_nothing(stations: 
     assert sum(map(len, passed)) - sum(map(len, mine)) <= UP_BURST + UP_RATE * 1.0
     assert good.heard() == [heartbeat] * count
     assert shared.lines[1].refused > 1000
+    assert shared.lines[2].unsent == count and shared.lines[2].sent == 0
 
 
 def test_a_daemon_that_takes_nothing_keeps_nobody_waiting(stations: list[Station]) -> None:
@@ -299,6 +302,29 @@ def test_a_conductor_relays_what_comes_and_what_goes() -> None:
     assert sum(message_of(raw) == message("ODOMETRY").id for raw in relayed) >= flown.conductor.states
 
 
+def test_an_endpoint_sees_and_sets_our_own_parameters_and_a_signed_link_wants_it_signed() -> None:
+    flown = flight(level=OutputLevel.RATES, duration=1.0)
+    conductor, passed = flown.conductor, list[bytes]()
+    wanted = {"target_system": 1, "target_component": 191, "param_id": "PF_SPEED_SCALE", "param_type": 9}
+
+    def sends(*frames: bytes) -> None:
+        port = SimpleNamespace(send=lambda frame, to: passed.append(frame))
+        loop = _Flight(conductor, port, None, None, None, None)  # type: ignore[arg-type]
+        loop._send_on(list(frames), 100.0)
+
+    key = Signing(bytes(range(32)))
+    plain = [Encoder(255, 190, i).message(message("PARAM_SET"), param_value=0.5 + 0.1 * i, **wanted) for i in range(2)]
+    signed = Encoder(255, 190, signing=key).message(message("PARAM_SET"), param_value=0.9, **wanted)
+    other = Encoder(255, 190).message(message("PARAM_SET"), param_value=0.1, **{**wanted, "target_component": 1})
+    sends(plain[0], other)
+    assert conductor.ground.speed_scale == pytest.approx(0.5) and passed == [plain[0], other]
+    conductor.decoder.signing = Signing(bytes(range(32)))
+    sends(plain[1])
+    assert conductor.ground.speed_scale == pytest.approx(0.5) and passed[-1] == plain[1]
+    sends(signed)
+    assert conductor.ground.speed_scale == pytest.approx(0.9)
+
+
 @pytest.mark.parametrize(
     ("url", "endpoint"),
     [
@@ -375,6 +401,11 @@ def test_a_ground_station_and_mavsdk_work_through_it(tmp_path: Path) -> None:
             type="COMMAND_ACK", condition="COMMAND_ACK.command==512", blocking=True, timeout=20.0
         )
         assert answer is not None and answer.result == 0
+        station.mav.param_set_send(1, 191, b"PF_SPEED_SCALE", 0.8, 9)
+        answer = station.recv_match(
+            type="PARAM_VALUE", condition="PARAM_VALUE.param_id=='PF_SPEED_SCALE'", blocking=True, timeout=20.0
+        )
+        assert answer is not None and answer.get_srcComponent() == 191 and answer.param_value == pytest.approx(0.8)
         station.close()
         with connect_vehicle(f"udpin://127.0.0.1:{ports[2]}") as vehicle:
             assert vehicle is not None
