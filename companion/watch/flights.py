@@ -79,6 +79,7 @@ class Flights:
         said = status.document.get("notes")
         return {
             "pid": pid,
+            "running": status.running,
             "state": _state(status),
             "has_path": flight.path is not None,
             "about": {label: _plain(status.document.get(label)) for label in LABELS},

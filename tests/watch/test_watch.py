@@ -103,7 +103,7 @@ def test_viewers_see_the_flight_its_path_and_its_trail(own: Path, flown: Flown) 
             if received:
                 break
         (one,) = received
-        assert one["about"]["mission"] == "circle" and one["state"] == "" and one["has_path"]
+        assert one["about"]["mission"] == "circle" and one["running"] and one["state"] == "" and one["has_path"]
         assert one["notes"] == ["join -> follow: on the path"]
         assert one["live"]["p_n"] == live_document(flown.conductor, 0.0)["p_n"]  # type: ignore[index]
         async with client.get(f"/drawing/{one['pid']}") as answer:
