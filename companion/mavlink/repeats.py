@@ -1,8 +1,10 @@
 """Frames that come a second time: a network with two routes, a relay that sends again. The second one is no news.
 
 A status has no stamp, so that an old one that comes late would be taken for what is so now. The second is told from the
-first by its bytes, which are the same, and by the sender's own number on the frame, which is not the next one. So it is
-told for as long as the numbers last: 256 frames, 0.4 s of a busy link.
+first by its bytes, which are the same, and by the sender's own number on the frame, which lies behind the newest: for
+as long as the numbers last, 256 frames, 0.4 s of a busy link. Of the oldest quarter of them the number may as well be a
+new one, since not every frame comes here: then it is a second one only if the sender has said something else in this
+message since. Words that are still the newest do no harm, and a status that never changes is always news.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ SENDERS_MAX = 8
 class _Sender:
     newest: int
     seen: list[bytes | None] = field(default_factory=lambda: [None] * NUMBERS)
+    said: dict[int, bytes] = field(default_factory=dict)  # by message, its newest payload
 
 
 @dataclass(slots=True)
@@ -36,7 +39,8 @@ class Repeats:
     def is_repeat(self, frame: Frame) -> bool:
         """Whether this very frame has come before. It counts as come from now on."""
         raw = frame.raw
-        number = raw[4] if raw[0] == MAGIC_V2 else raw[2]
+        head, number = (10, raw[4]) if raw[0] == MAGIC_V2 else (6, raw[2])
+        words = raw[head:-2]
         who = frame.system << 8 | frame.component
         sender = self._senders.get(who)
         if sender is None:
@@ -45,13 +49,18 @@ class Repeats:
             sender = self._senders[who] = _Sender(number)
         else:
             ahead = (number - sender.newest) % NUMBERS
-            # the next number may well bring the same words again; with others lost between it hardly does
+            may_be_next = 1 <= ahead <= AHEAD_MAX
             if ahead != 1 and sender.seen[number] == raw:
+                if may_be_next and words == sender.said.get(frame.format.id):
+                    return False  # either way it says what is so; which of the two it is, the next frame tells
                 self.count += 1
                 return True
-            if 1 <= ahead <= AHEAD_MAX:
+            if may_be_next:
                 for lost in range(1, ahead):
                     sender.seen[(sender.newest + lost) % NUMBERS] = None
                 sender.newest = number
+            elif frame.format.id in sender.said:  # overtaken by others: what was said since stays the newest
+                words = sender.said[frame.format.id]
         sender.seen[number] = raw
+        sender.said[frame.format.id] = words
         return False
