@@ -44,7 +44,15 @@ def broken(flight: Flight) -> list[str]:
 def last_words(flight: Flight) -> list[Word]:
     """What the operator said that the companion may not go against: neither what begins a flight nor what it asks for
     itself."""
-    return [word for word in flight.words if not _is_ours(word)]
+    return [word for word in flight.words if not _is_ours(word) and not _is_already_so(flight, word)]
+
+
+def _is_already_so(flight: Flight, word: Word) -> bool:
+    """Whether he selects the mode that the vehicle is in, before OFFBOARD was asked for: nothing shows that he did."""
+    asked = any(said.at <= word.at and said.mode is Mode.OFFBOARD for said in flight.traffic.commands)
+    before = [heard.mode for heard in flight.traffic.statuses if heard.at <= word.at]
+    already = before and before[-1] is MODES.get(word.order.order)
+    return word.phase is Phase.TAKE_OVER and not asked and bool(already)
 
 
 def _is_ours(word: Word) -> bool:
