@@ -120,6 +120,14 @@ ROWS: tuple[Row, ...] = (
         RAISE_SPEED,
     ),
     Row(
+        f"the body rates are {conditions.RATE_ASTRAY:g} rad/s off on states "
+        f"that come {conditions.LATE_ASTRAY:g} s late",
+        conditions.late,
+        0.1,
+        Action.ABORT,
+        MEND_LINK,
+    ),
+    Row(
         f"the body rates are {conditions.RATE_ERROR:g} rad/s off the commanded ones",
         conditions.rates,
         0.4,

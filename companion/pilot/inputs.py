@@ -64,6 +64,7 @@ def safety_inputs(
         thrust_share=0.0 if steered is None or not follows else steered.thrust_share,
         sinking=state.v_n[2],
         round_trip=observation.round_trip,
+        late=watch.late,
         needs=NEEDS[plan.level],
         jump=watch.jump,
         flagged=watch.flagged,

@@ -57,6 +57,17 @@ def test_a_part_of_the_state_that_stands_still_is_a_stale_state(key: str) -> Non
     assert after(0.2, frozen) is Action.ABORT
 
 
+def test_an_attitude_that_is_told_too_late_is_the_links_fault() -> None:
+    late = CALM._replace(late=0.07)
+    assert after(10.0, late) is Action.NONE  # it may be the vehicle's clock that is slow
+    assert after(10.0, CALM._replace(rate_error=2.0)) is Action.NONE
+    swings = late._replace(rate_error=2.0)
+    assert after(0.09, swings) is Action.NONE
+    assert after(0.1, swings) is Action.ABORT
+    reason = conditions.late(swings, Limits())
+    assert reason is not None and reason.startswith("states come 0.07 s late")
+
+
 def test_link_gaps_are_counted() -> None:
     assert after(0.0, CALM._replace(gaps=conditions.GAPS - 1)) is Action.NONE
     assert after(0.0, CALM._replace(gaps=conditions.GAPS)) is Action.HAND_BACK
