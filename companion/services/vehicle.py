@@ -76,7 +76,8 @@ class ConnectedVehicle:
                 time.sleep(0.2)
                 continue
             number = f"{version.flight_sw_major}.{version.flight_sw_minor}.{version.flight_sw_patch}"
-            return f"PX4 {number}, git {version.flight_sw_git_hash}, uid {uid}"
+            named = f", uid {uid}" if uid.strip("0") else ""  # PX4's simulation says zeros
+            return f"PX4 {number}, git {version.flight_sw_git_hash}{named}"
 
     def state_rate(self) -> float:
         """Hz of ODOMETRY that arrive when RATE_ASKED are asked for."""

@@ -135,6 +135,12 @@ def test_a_short_slow_log_is_told_what_it_lacks(tmp_path: Path) -> None:
     for words in ("SDLOG_PROFILE 25", "fly longer", "more yaw", "tell little of drag", "THR_MDL_FAC"):
         assert words in said, said
     assert any(line.startswith("motor lag") for line in words_of(found))
+    for name in ("vehicle_angular_velocity", "vehicle_rates_setpoint"):  # each with its own
+        assert f"{name} came every {1e3 * found.log.topics[name].period:.0f} ms" in said
+    for per_volt, doubted in ((Found(-0.031, 0.018), True), (Found(0.042, 0.016), True), (Found(0.06, 0.005), False)):
+        with_battery = found._replace(forces=found.forces._replace(per_volt=per_volt))
+        (line,) = [line for line in words_of(with_battery) if line.startswith("thrust per volt")]
+        assert ("no sign of the battery" in line) is doubted
 
 
 def test_thrust_curve_and_battery_are_found() -> None:
