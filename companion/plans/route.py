@@ -132,7 +132,7 @@ class _Walk:
             self._add_landing(item)
             return False
         elif command == MAV_CMD_NAV_RETURN_TO_LAUNCH:
-            self._note("the path ends where the plan returns home; the vehicle is handed back there, in Hold", item)
+            self._note("the path ends where the plan returns home; --finish says what follows", item)
             return False
         elif command in c.NOT_FOR_A_QUADROTOR:
             self._problem(item, f"{c.NOT_FOR_A_QUADROTOR[command]} (command {command}) is not for a quadrotor")
@@ -181,7 +181,7 @@ class _Walk:
             self._waypoints.append(Waypoint(place, self._speed, self._facing(None), item.key, item.number))
 
     def _add_landing(self, item: Item) -> None:
-        self._note("the path ends above the landing place; the vehicle is handed back there, in Hold", item)
+        self._note("the path ends above the landing place; --finish says what follows", item)
         latitude, longitude = item.params[4:6]
         if (
             not self._waypoints
