@@ -12,16 +12,23 @@ from companion.record.folder import Recorder
 
 OFF_THE_PATH = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN, Phase.DISARM, Phase.RELEASE)
 """Phases in which the autopilot flies by itself: its height is of interest, and no error of the path."""
+OLD_AFTER = 1.0
+"""s after which a state is no news for a line that comes once a second (engineering choice)."""
 
 
 def line(tick: Tick, rate: float, garbage: int = 0, ground: float | None = None) -> str:
     """Time of following, path error, speed, yaw error, tilt, loop rate; bytes that were no message, if there were.
 
     Where the autopilot takes off or lands: its height above ``ground`` (m, down) in the place of the path's figures.
+    Where no state has come for OLD_AFTER: for how long, and no figure of the last one.
     """
     memory, steered, state = tick.memory, latest_steered(tick.memory, tick.outcome), tick.memory.state
     parts = [f"{memory.phase.value:<10}"]
-    if memory.phase in OFF_THE_PATH:
+    age = 0.0 if memory.state_at is None else tick.now - memory.state_at
+    if age > OLD_AFTER:
+        steered = state = None
+        parts.append(f"no state for {age:.0f} s")
+    elif memory.phase in OFF_THE_PATH:
         if state is not None and ground is not None:
             parts.append(f"height {ground - state.p_n[2]:6.1f} m")
     else:
