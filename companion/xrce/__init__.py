@@ -6,7 +6,7 @@ wire        bytes <-> messages of such values
 reliable    streams on which each message comes once and in order
 agent       the conversation with one client
 topics      samples of PX4's topics: layout and MESSAGE_VERSION
-commands    setpoints -> samples, and the gate before them
+commands    the gate before setpoints; command_message: setpoint -> the bytes of its message
 flight_mode a flight mode of our own
 framing     messages <-> a serial line
 """

@@ -109,7 +109,7 @@ class Agent:
     counters: Counters = field(default_factory=Counters)
     _session: _Session | None = None
     _samples: list[Sample] = field(default_factory=list)
-    _answers: list[Message | bytes] = field(default_factory=list)
+    _answers: list[bytes] = field(default_factory=list)
     _acknack: Acknack | None = None
 
     @property
@@ -142,35 +142,37 @@ class Agent:
         """The layout of one of this client's topics. TopicError: it is not known here."""
         return topics.layout(topic, versioned=self.versioned)
 
-    def encoded(self, samples: Sequence[tuple[str, bytes]]) -> bytes | None:
-        """The next message with these samples, topic and CDR; None: PX4 does not read all of them."""
-        session = self._session
-        readers = [self.reading.get(topic) for topic, _ in samples]
-        if session is None or None in readers or not samples:
-            return None
-        data = [(reader.ids, cdr) for reader, (_, cdr) in zip(readers, samples, strict=True) if reader is not None]
-        return wire.encode_samples(session.number, session.sent, data)
+    @property
+    def place(self) -> tuple[int, int] | None:
+        """Session and sequence number of the next message of samples; None: there is no session."""
+        return None if self._session is None else (self._session.number, self._session.sent)
 
-    def write(self, samples: Sequence[tuple[str, bytes]]) -> bool:
-        """Queue samples as one message. False: PX4 does not read all of them; then none is sent."""
-        message = self.encoded(samples)
-        if message is None or self._session is None:
-            return False
+    def queue(self, message: bytes) -> None:
+        """Queue a message of samples that was made for the next ``place``."""
+        assert self._session is not None
         self._answers.append(message)
         self._session.sent = ahead(self._session.sent + 1, 0)
+
+    def write(self, samples: Sequence[tuple[str, bytes]]) -> bool:
+        """Queue samples, topic and CDR, as one message. False: PX4 does not read all of them; then none is sent."""
+        readers = [self.reading.get(topic) for topic, _ in samples]
+        if self._session is None or None in readers or not samples:
+            return False
+        data = [(reader.ids, cdr) for reader, (_, cdr) in zip(readers, samples, strict=True) if reader is not None]
+        self.queue(wire.encode_samples(self._session.number, self._session.sent, data))
         return True
 
     def datagrams(self, now: float) -> list[bytes]:
         """What is to be sent at ``now``."""
         messages, self._answers = self._answers, []
-        if (session := self._session) is not None:
+        session, acknack, self._acknack = self._session, self._acknack, None
+        if session is not None and (acknack is not None or session.outgoing.busy):
             reliable, heartbeat = session.outgoing.due(now)
-            messages += (Message(session.number, RELIABLE, number, (each,)) for number, each in reliable)
-            for each in (self._acknack, heartbeat):
+            messages += (wire.encode(Message(session.number, RELIABLE, number, (each,))) for number, each in reliable)
+            for each in (acknack, heartbeat):
                 if each is not None:
-                    messages.append(Message(session.number, NO_STREAM, 0, (each,)))
-        self._acknack = None
-        return [each if isinstance(each, bytes) else wire.encode(each) for each in messages]
+                    messages.append(wire.encode(Message(session.number, NO_STREAM, 0, (each,))))
+        return messages
 
     def next_timer(self) -> float:
         """s, when ``datagrams`` has something without anything coming in; inf: never."""
@@ -260,7 +262,7 @@ class Agent:
             session.outgoing.send(Status(what.request, what.object))
 
     def _answer(self, submessage: Submessage, session: int = SESSION) -> None:
-        self._answers.append(Message(session, NO_STREAM, 0, (submessage,)))
+        self._answers.append(wire.encode(Message(session, NO_STREAM, 0, (submessage,))))
 
     def _is_next(self, session: _Session, number: int) -> bool:
         """Whether a best-effort message is newer than those that came. A late one says what is no longer so."""

@@ -8,19 +8,13 @@ links, that it flies on it; and before that the mode alone, which is what PX4 wa
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from companion.vehicle import (
-    AttitudeSetpoint,
-    MotorSetpoint,
-    OutputLevel,
-    RateSetpoint,
-    Setpoint,
-    TorqueSetpoint,
-)
-from companion.xrce.agent import Agent, Sample
+from companion.vehicle import OutputLevel, Setpoint
+from companion.xrce.agent import Agent, Reader, Sample
+from companion.xrce.command_message import FLAG, MODE, TOPICS, CommandMessage
 from companion.xrce.flight_mode import FlightMode
 from companion.xrce.topics import Layout, Topic, TopicError
 
@@ -28,24 +22,7 @@ CONTROL_MODE_LASTS = 0.7
 """s that a vehicle_control_mode counts: PX4 publishes it at 2 Hz, and within 22 ms of a change (xrce.md, section 6)."""
 KEPT_BACK_USUALLY = 10
 """Commands kept back where one link says it before the other, at the beginning and the end (engineering choice)."""
-MODE, CONTROL_MODE = "offboard_control_mode", "vehicle_control_mode"
-TOPICS = {
-    OutputLevel.MOTORS: ("actuator_motors", "vehicle_thrust_setpoint"),
-    OutputLevel.TORQUES: ("vehicle_torque_setpoint", "vehicle_thrust_setpoint"),
-    OutputLevel.RATES: ("vehicle_rates_setpoint",),
-    OutputLevel.ATTITUDE: ("vehicle_attitude_setpoint",),
-}
-"""What PX4 must read for a level, beside the mode. PX4's land detector believes the last vehicle_thrust_setpoint, so
-that one is written along with motors: without it two take-offs ended in "landed" at 6 m and a disarming."""
-FLAG = {
-    OutputLevel.MOTORS: "direct_actuator",
-    OutputLevel.TORQUES: "thrust_and_torque",
-    OutputLevel.RATES: "body_rate",
-    OutputLevel.ATTITUDE: "attitude",
-}
-"""The flag of offboard_control_mode."""
-UNUSED = (math.nan,) * 8
-"""The motors of actuator_motors' twelve that a quadrotor has not: NaN leaves them stopped."""
+CONTROL_MODE = "vehicle_control_mode"
 
 
 @dataclass(slots=True)
@@ -69,6 +46,7 @@ class Commands:
     _in_offboard: bool = False
     _follows: bool = False
     _said_at: float = -math.inf
+    _message: CommandMessage | None = None
 
     def receive(self, data: bytes, now: float) -> None:
         """Take in a datagram. Nothing is acted on: what PX4 says opens and closes the gate."""
@@ -99,6 +77,11 @@ class Commands:
     def next_timer(self) -> float:
         """s, when ``datagrams`` has something without anything coming in."""
         return self.agent.next_timer()
+
+    @property
+    def is_calm(self) -> bool:
+        """Whether commands go out and nothing else is under way: PX4's client need not be answered at once."""
+        return not self.agent.keeps_time and self.agent.next_timer() == math.inf
 
     def tell(self, can_run: bool, over: bool, completed: bool) -> None:
         """Where the flight stands, for a flight mode of ours: it may be selected; it is over, and how."""
@@ -156,14 +139,11 @@ class Commands:
         ``says_so``: the vehicle has just said over MAVLink that it is in OFFBOARD, or in our own mode."""
         mode, fresh = self.flight_mode, now - self._said_at <= CONTROL_MODE_LASTS
         flies = self._in_offboard if mode is None else mode.is_selected(now)
-        is_open = fresh and flies and self._follows and says_so
-        samples = self._command(setpoint, round(t_boot * 1e6)) if is_open else []
-        if mode is None and fresh and (is_open or not flies):
-            samples.insert(0, self._sample(MODE, **{FLAG[self.level]: True}))
-        written = all(cdr for _, cdr in samples) and self.agent.write(samples)
-        done = is_open and written
+        done = fresh and flies and self._follows and says_so and self._write(setpoint, t_boot)
         if done and mode is not None:
             mode.notice_command(now)
+        if mode is None and fresh and not flies:
+            self._write_mode()
         self.agent.keeps_time = not done  # see there
         self.sent += done
         self.kept_back += flies and not done
@@ -171,8 +151,7 @@ class Commands:
 
     def rehearse(self, setpoint: Setpoint, t_boot: float) -> None:
         """Encode a command, and forget it: the next finds code and data in the caches."""
-        mode = self._sample(MODE, **{FLAG[self.level]: True})
-        self.agent.encoded([mode, *self._command(setpoint, round(t_boot * 1e6))])
+        self._encoded(setpoint, t_boot)
 
     def words(self) -> list[str]:
         """What was lost or refused so far, for people."""
@@ -197,31 +176,37 @@ class Commands:
             )
         return found
 
-    def _command(self, setpoint: Setpoint, sample: int) -> list[tuple[str, bytes]]:
-        """The samples of a setpoint. ``sample``: us, PX4's stamp of the state, by which it measures its latency."""
-        match setpoint:
-            case MotorSetpoint(commands):
-                share = sum(commands) / len(commands)
-                return [
-                    self._sample("actuator_motors", timestamp_sample=sample, control=(*commands, *UNUSED)),
-                    self._sample("vehicle_thrust_setpoint", timestamp_sample=sample, xyz=(0.0, 0.0, -share)),
-                ]
-            case TorqueSetpoint(torque_b, thrust):
-                return [
-                    self._sample("vehicle_torque_setpoint", timestamp_sample=sample, xyz=torque_b),
-                    self._sample("vehicle_thrust_setpoint", timestamp_sample=sample, xyz=(0.0, 0.0, -thrust)),
-                ]
-            case RateSetpoint((p, q, r), thrust):
-                lift = (0.0, 0.0, -thrust)
-                return [self._sample("vehicle_rates_setpoint", roll=p, pitch=q, yaw=r, thrust_body=lift)]
-            case AttitudeSetpoint(q_nb, thrust):
-                return [self._sample("vehicle_attitude_setpoint", q_d=q_nb, thrust_body=(0.0, 0.0, -thrust))]
+    def _write(self, setpoint: Setpoint, t_boot: float) -> bool:
+        """Queue mode and command as one message. False: PX4 does not read all of it; then none is sent."""
+        data = self._encoded(setpoint, t_boot)
+        if data is not None:
+            self.agent.queue(data)
+        return data is not None
 
-    def _sample(self, name: str, **values: Any) -> tuple[str, bytes]:
-        """A topic's sample; its stamp 0, so that PX4 puts its own time in."""
-        reader = self.agent.reading.get(name)
+    def _write_mode(self) -> None:
+        """Queue the mode alone, which is all that PX4 wants to see before OFFBOARD."""
+        reader = self.agent.reading.get(MODE)
         layout = None if reader is None else self._layout(reader.topic)
-        return name, b"" if layout is None else layout.encode(**values)
+        if layout is not None:
+            self.agent.write([(MODE, layout.encode(**{FLAG[self.level]: True}))])
+
+    def _encoded(self, setpoint: Setpoint, t_boot: float) -> bytes | None:
+        """The next message with a setpoint; None: PX4 does not read all of it, or its session is over."""
+        place, reading = self.agent.place, self.agent.reading
+        topics = TOPICS[self.level]
+        readers = [reading.get(name) for name in ((MODE, *topics) if self.flight_mode is None else topics)]
+        if place is None:
+            return None
+        message = self._message
+        if message is None or message.session != place[0] or message.readers != readers:
+            message = self._message = self._compiled(place[0], readers)
+        return None if message is None else message.encode(place[1], setpoint, round(t_boot * 1e6))
+
+    def _compiled(self, session: int, readers: Sequence[Reader | None]) -> CommandMessage | None:
+        """The message for these readers; None: one is not there, or in a version that is not known here."""
+        there = [each for each in readers if each is not None]
+        layouts = [layout for each in there if (layout := self._layout(each.topic)) is not None]
+        return CommandMessage(self.level, session, there, layouts) if len(layouts) == len(readers) else None
 
     def _layout(self, topic: Topic) -> Layout | None:
         """A topic's layout. None: this PX4's is not known here, which is remembered as a refusal."""

@@ -5,6 +5,7 @@ Numbers wrap at 2^16. PX4's client holds four messages a stream (its history), s
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -58,11 +59,16 @@ class Incoming:
 class Outgoing:
     """What goes: at most HISTORY messages unacknowledged, the others wait. ``next_at``: s, when to say so again."""
 
-    next_at: float = float("inf")
+    next_at: float = math.inf
     _number: int = 0
     _waiting: deque[Submessage] = field(default_factory=deque)
     _sent: dict[int, Submessage] = field(default_factory=dict)
     _again: list[int] = field(default_factory=list)
+
+    @property
+    def busy(self) -> bool:
+        """Whether ``due`` has something to do: anything waits, or was under way when it was called last."""
+        return bool(self._waiting) or self.next_at < math.inf
 
     def send(self, submessage: Submessage) -> None:
         """Have one sent. Where too many wait already, the other side does not listen, and it is left out."""
@@ -85,7 +91,7 @@ class Outgoing:
             messages.append((self._number, self._sent[self._number]))
             self._number = ahead(self._number + 1, 0)
         if not self._sent:
-            self.next_at = float("inf")
+            self.next_at = math.inf
             return messages, None
         heartbeat = None
         if now >= self.next_at:

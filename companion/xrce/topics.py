@@ -45,12 +45,13 @@ class Layout:
     """A message's fields in order, ``NAME:COUNTcode`` each, with struct's letters; each aligned to its size.
 
     ``pack`` and ``unpack`` take and give the flat values: one a scalar, one an array element, one ``bytes`` a string.
+    ``code``: as ``struct`` has it, without the byte order.
     """
 
-    __slots__ = ("fields", "pack", "size", "unpack_from", "zero")
+    __slots__ = ("code", "fields", "pack", "size", "unpack_from", "zero")
 
     def __init__(self, text: str) -> None:
-        code, at, flat = "<", 0, 0
+        code, at, flat = "", 0, 0
         self.fields: dict[str, int | slice] = {}
         for name, count, letter in _FIELD.findall(text):
             size, number = _SIZES[letter], int(count or 1)
@@ -59,7 +60,8 @@ class Layout:
             values = 1 if letter == "s" else number
             self.fields[name] = slice(flat, flat + values) if values > 1 else flat
             flat += values
-        packer = struct.Struct(code)
+        packer = struct.Struct("<" + code)
+        self.code = code
         self.size, self.pack, self.unpack_from = packer.size, packer.pack, packer.unpack_from
         self.zero = packer.unpack(bytes(packer.size))
 

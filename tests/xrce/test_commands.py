@@ -16,7 +16,8 @@ from companion.vehicle import (
 )
 from companion.xrce import wire
 from companion.xrce.agent import Counters
-from companion.xrce.commands import CONTROL_MODE_LASTS, KEPT_BACK_USUALLY, TOPICS, Commands
+from companion.xrce.command_message import TOPICS
+from companion.xrce.commands import CONTROL_MODE_LASTS, KEPT_BACK_USUALLY, Commands
 from companion.xrce.messages import SESSION, THE_CLIENT, Delete, GetInfo, Timestamp
 from companion.xrce.objects import Data, Status, WriteData
 from companion.xrce.topics import LAYOUTS
