@@ -153,6 +153,22 @@ def test_a_serial_line_carries_the_same() -> None:
     os.close(theirs)
 
 
+def test_a_state_goes_first_and_a_link_that_never_rests_does_not_keep_px4_waiting() -> None:
+    commands = Commands(OutputLevel.MOTORS)
+    link, port = open_port(f"udpin://127.0.0.1:{free_port()}"), open_port(f"udpin://127.0.0.1:{free_port()}")
+    beside = Beside(link, XrceLink(port, commands), time.monotonic)
+    (ping,) = client().datagrams(0.0)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as px4:
+        for served in (0, 2, 2):  # what is owed is done first, with what has come meanwhile
+            px4.sendto(ping, port.local)  # type: ignore[attr-defined]
+            px4.sendto(b"state", link.local)  # type: ignore[attr-defined]
+            assert [data for data, _ in beside.receive(1.0)] == [b"state"]
+            assert commands.agent.counters.messages == served
+        assert beside.receive(0.0) == []
+        assert commands.agent.counters.messages == 3
+    beside.close()
+
+
 def test_an_agent_that_has_the_port_is_named_with_what_to_do() -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
         taken.bind(("127.0.0.1", 0))
