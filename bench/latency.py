@@ -215,13 +215,15 @@ def free_port() -> int:
         return port
 
 
-def companion_in(directory: Path) -> tuple[Callable[..., Callable[[int, Path], list[str]]], str]:
+def companion_in(
+    directory: Path, direct: str = "motors: direct"
+) -> tuple[Callable[..., Callable[[int, Path], list[str]]], str]:
     """The daemon on circle_r5 by vehicle, output and further options, as a client's command; and the x500 that takes
-    motors over MAVLink, as a file."""
+    motors over MAVLink, as a file. ``direct``: what its file says in the place of ``motors: px4``."""
     mission, machine = directory / "mission.yaml", directory / "direct.yaml"
     shipped = ROOT / "configs"
     mission.write_text((shipped / "missions" / "circle_r5.yaml").read_text() + "origin: local\n")
-    machine.write_text((shipped / "vehicles" / "x500.yaml").read_text().replace("motors: px4", "motors: direct"))
+    machine.write_text((shipped / "vehicles" / "x500.yaml").read_text().replace("motors: px4", direct))
 
     def companion(vehicle: str, *output: str) -> Callable[[int, Path], list[str]]:
         return lambda port, folder: [

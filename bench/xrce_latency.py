@@ -2,7 +2,8 @@
 
     python -m bench.xrce_latency [s a round] [rounds]
 
-One vehicle as in bench.latency, and the daemon flying circle_r5 on motors, in turn over each. XRCE's answer is known by
+One vehicle as in bench.latency, and the daemon flying circle_r5 on motors, in turn over each, at PX4's 125 states a
+second. XRCE's answer is known by
 its timestamp_sample. The cost: what the daemon's process takes a second beyond what it takes over MAVLink, and, in this
 process and without sockets, the stand-in's own traffic taken in.
 """
@@ -40,6 +41,9 @@ from sim_bridge.world_events import XRCE
 TARGET_RATIO, TARGET_SHARE = 1.1, 0.05
 MESSAGES = 370.0
 """a second, as PX4 publishes them (measured on main of March 2026)."""
+PX4_STATES = 125.0
+"""a second: PX4 sends ODOMETRY as often as its estimator predicts, whatever is asked for, and a tick at every other
+state costs more than at each. So the vehicle on MAVLink is asked for as many."""
 COST_OVER = 20.0
 """s of traffic that is taken in for its cost."""
 
@@ -147,7 +151,7 @@ def cost() -> tuple[float, float]:
 
 def clients(directory: Path) -> tuple[Client, Callable[[int], Client]]:
     """The daemon over MAVLink, and over XRCE at a port."""
-    companion, direct = companion_in(directory)
+    companion, direct = companion_in(directory, f"motors: direct\nstate_rate_hz: {PX4_STATES:g}")
 
     def over_xrce(agent: int) -> Client:
         url = f"udp://127.0.0.1:{agent}"
