@@ -23,10 +23,9 @@ from numpy.typing import NDArray
 from scipy.linalg import expm, solve_discrete_are, solve_discrete_lyapunov
 
 from companion.config.world.world import load_world
-from companion.estimation.adaptation import NOISE_MIN
+from companion.estimation.adaptation import DISTURBANCE_Q, NOISE_MIN
 from companion.estimation.estimator import STANDARD_GRAVITY as G
 from companion.estimation.kalman_step import (
-    DISTURBANCE_Q,
     DISTURBANCE_TIME,
     GUST_TIME,
     POSITION_Q,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import reduce
 from typing import NamedTuple
 
 from companion.frames import Quaternion, Vec3, from_rotation_vector, multiply
@@ -107,21 +108,40 @@ def _sum(a: Vec3, b: Vec3) -> Vec3:
 
 
 def _noise(noise: Noise, step: float, draw: Draw) -> Wrong | None:
-    """White noise and a wander together; None where there is neither."""
+    """White noise, a wander and a bias together; None where there is none of them."""
     if not noise:
         return None
     a, b, c = noise.white
-    if not any(noise.wander):
-        return lambda: (a * draw(), b * draw(), c * draw())
-    wander = (_smooth if noise.smooth else _rough)(noise.wander, step, noise.wander_time, draw)
-    if not any(noise.white):
-        return wander
+    parts: list[Wrong] = []
+    if any(noise.wander) or any(noise.start or ZERO):
+        parts.append(_wander(noise, step, draw))
+    if any(noise.white):
+        parts.append(lambda: (a * draw(), b * draw(), c * draw()))
+    if any(noise.bias):
+        x, y, z = noise.bias
+        bias = (x * draw(), y * draw(), z * draw())
+        parts.append(lambda: bias)
+    if len(parts) == 1:
+        return parts[0]
+    return lambda: reduce(_sum, [part() for part in parts])
 
-    def both() -> Vec3:
-        x, y, z = wander()
-        return (x + a * draw(), y + b * draw(), z + c * draw())
 
-    return both
+def _wander(noise: Noise, step: float, draw: Draw) -> Wrong:
+    """The wander; where it begins larger or smaller than it stays, in that proportion."""
+    process = _smooth if noise.smooth else _rough
+    if noise.start is None:
+        return process(noise.wander, step, noise.wander_time, draw)
+    unit = process((1.0, 1.0, 1.0), step, noise.wander_time, draw)
+    (a, b, c), (i, j, k), keep = noise.wander, noise.start, math.exp(-step / noise.start_time)
+    begun = (i - a, j - b, k - c)
+
+    def settling() -> Vec3:
+        nonlocal begun
+        (i, j, k), (x, y, z) = begun, unit()
+        begun = (keep * i, keep * j, keep * k)
+        return (x * (a + i), y * (b + j), z * (c + k))
+
+    return settling
 
 
 def _drift(drift: Drift, step: float, draw: Draw) -> Wrong:

@@ -2,7 +2,7 @@
 
 Truth is known of the stand-in: thrust scale, drag, and the disturbance, which is the wind's drag and what the tilt error
 of the vehicle's own estimate explains (what its heading error explains is a number of its own in the filter). NEES is
-that of (scale, drag, disturbance), five numbers.
+that of (scale, drag, disturbance), five numbers; NIS that of what is predicted a state and a second ahead.
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ from companion.estimation.kalman import Belief
 from companion.estimation.kalman_step import AXES, DISTURBANCE, DRAG, GUST, PER_AXIS, SIZE, THRUST_SCALE
 from companion.flight.phases import Phase
 from companion.frames import Quaternion, Vec3, body_z_axis, conjugate, multiply, normalised
-from companion.vehicle import OutputLevel
 from companion.world import World
 from sim_bridge.plant import Truth
 from trials.measured import Measured, course, machine, measure_flight
+from trials.prediction import Forecast
 
+AHEAD = 1.0
+"""s of the longer predictions: where the coloured errors of the vehicle's estimate show."""
 WINDOW = 5.0
 """s over which errors are averaged."""
 NEES_BOUNDS = (0.831, 12.833)
@@ -43,47 +45,56 @@ class Window(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """A flight, and how right its estimator was."""
+    """A flight, and how right its estimator was. ``nis``, ``nis_second``: normalised innovations squared of predictions
+    one state and AHEAD s long, while following."""
 
     flight: Measured
     windows: tuple[Window, ...]
+    nis: tuple[float, ...]
+    nis_second: tuple[float, ...]
 
 
 def trial(
     mission: str, speed: float, where: World, *, hover: float = 1.0, drag: float = 1.0, seed: int = 0,
-    duration: float = 60.0, level: OutputLevel = OutputLevel.RATES,
+    duration: float = 60.0,
 ) -> Trial:  # fmt: skip
-    """Fly the SIH vehicle. ``hover``, ``drag``: the vehicle file's over the true ones."""
+    """Fly the SIH vehicle at rates. ``hover``, ``drag``: the vehicle file's over the true ones."""
     true = machine("sih")
     believed = dataclasses.replace(true, drag=true.drag * drag, hover_thrust=(true.hover_thrust or 0.5) * hover)
     where = dataclasses.replace(where, truth=dataclasses.replace(where.truth, drag=true.drag))
     rows: list[tuple[float, ...]] = []
+    forecasts = Forecast(0.0, true.gravity), Forecast(AHEAD, true.gravity)
 
     def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         memory = conductor.memory
         if memory is None or memory.phase is not Phase.FOLLOW or memory.path.follow_from is None:
             return
+        known = memory.steering.memory.estimate
+        for forecast in forecasts:
+            forecast.take(known.motion.state, known.rate_loop_state.specific_thrust, known.motion.estimator)
         if rows and truth.t_boot - memory.path.follow_from - rows[-1][0] < 0.02:
             return
         steering = conductor.plan.steering if conductor.plan is not None else None
-        estimate = memory.steering.memory.estimate.motion
+        estimate = known.motion
         scale = steering.hover_thrust / (true.weight / true.thrust_max)  # type: ignore[union-attr]
         thrust = sum(truth.rotor_thrusts) / true.mass
-        pushed = np.multiply(true.drag, where.wind_n) + np.multiply(thrust, _leaning(truth.q_nb, estimate.state.q_nb))
-        belief = estimate.estimator.belief
-        error = np.array(
-            [belief.thrust_scale - scale, belief.drag - true.drag, *np.subtract(belief.disturbance_n, pushed)]
-        )
-        nees = float(error @ np.linalg.solve(covariance(belief), error))
-        rows.append((truth.t_boot - memory.path.follow_from, error[0] / scale, error[1] / true.drag, *error[2:], nees))
+        pushed = np.multiply(true.drag, where.wind_n) + np.multiply(thrust, leaning(truth.q_nb, estimate.state.q_nb))
+        error = errors(estimate.estimator.belief, scale, true.drag, pushed)
+        rows.append((truth.t_boot - memory.path.follow_from, *error))
 
-    flight = measure_flight(
-        course(mission, speed, level), believed, where, level, seed=seed, duration=duration, watch=watch
-    )
-    return Trial(flight, _windows(np.array(rows)))
+    flight = measure_flight(course(mission, speed), believed, where, seed=seed, duration=duration, watch=watch)
+    nis, nis_second = (tuple(value for _, value in forecast.found) for forecast in forecasts)
+    return Trial(flight, windows(np.array(rows)) if rows else (), nis, nis_second)
 
 
-def _leaning(q_nb: Quaternion, seen: Quaternion) -> Vec3:
+def errors(belief: Belief, scale: float, drag: float, pushed: NDArray[np.float64]) -> tuple[float, ...]:
+    """Of scale and drag, relative; of the disturbance (m/s^2, three axes); NEES of the five."""
+    error = np.array([belief.thrust_scale - scale, belief.drag - drag, *np.subtract(belief.disturbance_n, pushed)])
+    nees = float(error @ np.linalg.solve(covariance(belief), error))
+    return (error[0] / scale, error[1] / drag, *error[2:], nees)
+
+
+def leaning(q_nb: Quaternion, seen: Quaternion) -> Vec3:
     """The thrust axis as seen, the heading error (the turn about the vertical) taken out, minus the true one."""
     w, x, y, _ = multiply(seen, conjugate(q_nb))
     tilted = multiply((w, x, y, 0.0), q_nb)
@@ -102,7 +113,8 @@ def covariance(belief: Belief) -> NDArray[np.float64]:
     return result
 
 
-def _windows(rows: NDArray[np.float64]) -> tuple[Window, ...]:
+def windows(rows: NDArray[np.float64]) -> tuple[Window, ...]:
+    """``rows``: s since following began, and the errors there."""
     result = []
     for begin in np.arange(0.0, rows[-1, 0] - WINDOW + 0.1, WINDOW):
         part = rows[(rows[:, 0] >= begin) & (rows[:, 0] < begin + WINDOW)]

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.estimation.adaptation import NOISE_FIRST, adapt_levels, adapt_measurement_noise
+from companion.estimation.adaptation import NOISE_FIRST, adapt_levels, adapt_measurement_noise, settle_attitude_error
 from companion.estimation.kalman import (
     Belief,
     Innovation,
@@ -209,7 +209,7 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
             unexplained_velocity_n=unexplained_velocity_n,
         )
     belief, disturbance_lpf_n, disturbance_saturated = _limit(belief, known.disturbance_lpf_n, dt, flight_time)
-    noise = known.noise
+    noise = settle_attitude_error(known.noise, dt)
     if not disturbance_saturated:
         # not frozen: commands that noise drives into their limits would keep it from being found
         noise = adapt_measurement_noise(noise, innovation, dt)

@@ -42,7 +42,6 @@ from companion.estimation.kalman_step import (
     EAST,
     GUST,
     HEADING_ERROR,
-    HEADING_ERROR_VARIANCE,
     NORTH,
     PER_AXIS,
     POSITION,
@@ -178,7 +177,7 @@ def initial_belief(
         x[at + DISTURBANCE] = disturbance_n[axis]
         S[DIAGONAL[at + DISTURBANCE]] = PRIOR_DISTURBANCE_STD[axis] ** 2
         S[DIAGONAL[at + GUST]] = noise.gust[axis]
-        S[DIAGONAL[at + HEADING_ERROR]] = HEADING_ERROR_VARIANCE
+        S[DIAGONAL[at + HEADING_ERROR]] = noise.heading_error
     x[THRUST_SCALE], x[DRAG] = thrust_scale[0], drag[0]
     T = (thrust_scale[1] ** 2, 0.0, drag[1] ** 2)
     return reset_position_velocity(Belief(tuple(x), tuple(S), (0.0,) * (2 * AXES * PER_AXIS), T), p_n, v_n, noise)
@@ -222,7 +221,8 @@ def predict_and_update(
     """
     told = (STEP if learning else STEP_FROZEN)(
         dt, *specific_thrust_n, gravity, *p_n, *v_n, noise.position, noise.velocity, *noise.wander,
-        *noise.velocity_error, *noise.gust, thrust_scale_q, *belief.x, *belief.S, *belief.G, *belief.T,
+        *noise.velocity_error, *noise.gust, *noise.disturbance_q, noise.heading_error, thrust_scale_q,
+        *belief.x, *belief.S, *belief.G, *belief.T,
     )  # fmt: skip
     x, S, G, T = told[:SIZE], told[SIZE:G_AT], told[G_AT:T_AT], told[T_AT : T_AT + 3]
     return Belief(x, S, G, T), Innovation(told[T_AT + 3 : -6], told[-6:])  # type: ignore[arg-type]

@@ -49,17 +49,11 @@ VELOCITY_ERROR_TIME = 3.5
 """s, time constant of B. Recorded in the same session: 3 to 4 s."""
 GUST_TIME = 1.0
 """s, time constant of W. Engineering choice: 5 m of gust at 5 m/s."""
-HEADING_ERROR_TIME = 3.2
+HEADING_ERROR_TIME = 4.0
 """s, time constant of E: the smooth heading error of a PX4 that shakes (two lags of 1.6 s in sih_noisy) has the power
-below 0.1 Hz of one such lag. Recorded in the same session: 2 to 5.5 s."""
-HEADING_ERROR_VARIANCE = 0.02**2
-"""rad^2, stationary variance of E: 1.1 deg as in sih_noisy. Recorded in the same session: 1.7 deg."""
+below 0.1 Hz of one lag of 3.2 s. Recorded in the same session: 2 to 5.5 s."""
 DISTURBANCE_TIME: Vec3 = (1e9, 1e9, 10.0)
 """s, time constant of D: the wind stays, a vertical push does not. Engineering choice."""
-DISTURBANCE_Q: Vec3 = (0.001, 0.001, 0.0005)
-"""m^2/s^5, process noise of D. Level: 0.25 m/s^2 in a minute, a wind that changes by 1 m/s on a drag of 0.25 (what
-comes and goes is W); vertical: 0.05 m/s^2 stationary, the prior that tells the thrust scale from it: what a tilt error
-of 0.7 deg makes of a thrust that leans by 25 deg. Engineering choice."""
 POSITION_Q = 1e-8
 """m^2/s, process noise of P beyond its wander: none but rounding. Engineering choice."""
 VELOCITY_Q = 1e-4
@@ -96,6 +90,8 @@ def _record_step(name: str, *, learning: bool) -> Function:
     measured = tape.inputs("xm", "ym", "zm", "vxm", "vym", "vzm")
     noise_p, noise_v = tape.inputs("rp", "rv")
     levels = [tape.inputs(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
+    disturbance_q = tape.inputs("qdx", "qdy", "qdz")
+    (heading_error,) = tape.inputs("e")
     (scale_q,) = tape.inputs("qk")
     states = [tape.inputs(*(f"x{axis}{i}" for i in range(PER_AXIS))) for axis in range(AXES)]
     scale, c = tape.inputs("k", "c")
@@ -115,8 +111,8 @@ def _record_step(name: str, *, learning: bool) -> Function:
         u, b, w = (level[axis] for level in levels)
         noises = (
             POSITION_Q + (noise_p - POSITION_R_MIN) * POSITION_Q_GAIN, VELOCITY_Q, u * (2.0 / WANDER_TIME),
-            b * (2.0 / VELOCITY_ERROR_TIME), DISTURBANCE_Q[axis], w * (2.0 / GUST_TIME),
-            2.0 * HEADING_ERROR_VARIANCE / HEADING_ERROR_TIME,
+            b * (2.0 / VELOCITY_ERROR_TIME), disturbance_q[axis],
+            w * (2.0 / GUST_TIME), heading_error * (2.0 / HEADING_ERROR_TIME),
         )  # fmt: skip
         rows, by_q = _transition(axis, dt, c, scale * across[axis]), (f[axis], x[VELOCITY])
         known = _predict(_as_axis(x, S, G), rows, dt, accelerations[axis], by_q)

@@ -13,15 +13,20 @@ NONE: Vec3 = (0.0, 0.0, 0.0)
 @dataclass(frozen=True, slots=True)
 class Noise:
     """An error of three axes: ``white`` is new at every step, ``wander`` is a first-order Gauss-Markov process with
-    the time constant ``wander_time`` (s), or where it is ``smooth`` two such lags in a row. Standard deviations."""
+    the time constant ``wander_time`` (s), or where it is ``smooth`` two such lags in a row; at the start the wander is
+    as large as ``start``, and comes to its own size in ``start_time`` (s); ``bias`` is drawn once. Standard
+    deviations."""
 
     white: Vec3 = NONE
     wander: Vec3 = NONE
     wander_time: float = 1.0
     smooth: bool = False
+    start: Vec3 | None = None
+    start_time: float = 10.0
+    bias: Vec3 = NONE
 
     def __bool__(self) -> bool:
-        return any(self.white) or any(self.wander)
+        return any(self.white) or any(self.wander) or any(self.start or NONE) or any(self.bias)
 
 
 @dataclass(frozen=True, slots=True)

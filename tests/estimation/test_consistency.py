@@ -13,6 +13,7 @@ from companion.frames import rotation_matrix
 from companion.world.events import Push, When
 from trials.consistency import trial
 from trials.measured import world
+from trials.prediction import NIS_BOUNDS, share_inside
 
 G = 9.80665
 
@@ -36,6 +37,15 @@ def test_it_knows_how_right_it_is(circle) -> None:  # type: ignore[no-untyped-de
     """NEES of (scale, drag, disturbance) within its 95 % bounds; one flight has a chance of its own."""
     assert np.mean([window.inside for window in circle.windows]) > 0.8
     assert max(window.nees for window in circle.windows) < 12.8
+
+
+def test_what_it_predicts_is_as_far_off_as_it_says(circle) -> None:  # type: ignore[no-untyped-def]
+    """NIS a second ahead within its 95 % bounds, and its mean near the six numbers measured; a state ahead it is never
+    surprised (the coloured errors are of first order, which is too rough for 8 ms)."""
+    assert len(circle.nis_second) > 35
+    assert share_inside(list(circle.nis_second)) >= 0.85
+    assert 4.0 < np.mean(circle.nis_second) < 8.0
+    assert np.mean([value >= NIS_BOUNDS[1] for value in circle.nis]) < 0.02
 
 
 def test_the_path_is_held_under_noise(circle) -> None:  # type: ignore[no-untyped-def]

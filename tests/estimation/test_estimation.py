@@ -137,7 +137,9 @@ def dense(belief: Belief) -> np.ndarray:
     return np.array(belief.covariance())
 
 
-LEVELS = NoiseLevels(1e-6, 1e-4, (0.01, 0.02, 0.03), (0.04, 0.05, 0.06), (0.09, 0.1, 0.04))
+LEVELS = NoiseLevels(
+    1e-6, 1e-4, (0.01, 0.02, 0.03), (0.04, 0.05, 0.06), (0.09, 0.1, 0.04), (0.002, 0.003, 0.004), 0.05**2
+)
 
 
 def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: NoiseLevels, learn: bool):  # type: ignore[no-untyped-def]
@@ -167,11 +169,14 @@ def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: Noise
             T[k, k] = 1.0 / (1.0 + dt / time) if time < 1e6 else 1.0
             new[k] = x[k] * T[k, k]
         Q[p] = kalman_step.POSITION_Q + kalman_step.POSITION_Q_GAIN * (noise.position - kalman_step.POSITION_R_MIN)
-        Q[v], Q[d] = kalman_step.VELOCITY_Q, kalman_step.DISTURBANCE_Q[i]
+        Q[v], Q[d] = (
+            kalman_step.VELOCITY_Q,
+            noise.disturbance_q[i],
+        )
         levels = (noise.wander[i], noise.velocity_error[i], noise.gust[i])
         for k, time, level in zip((u, b, w), (times[0], times[1], times[3]), levels, strict=True):
             Q[k] = 2.0 * level / time
-        Q[e] = 2.0 * kalman_step.HEADING_ERROR_VARIANCE / kalman_step.HEADING_ERROR_TIME
+        Q[e] = 2.0 * noise.heading_error / kalman_step.HEADING_ERROR_TIME
         H[i, p] = H[3 + i, v] = H[3 + i, b] = 1.0
     Q[THRUST_SCALE:] = kalman_step.THRUST_SCALE_Q * learn, kalman_step.DRAG_Q * learn
     P = T @ P @ T.T + np.diag(Q) * dt

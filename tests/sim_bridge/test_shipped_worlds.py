@@ -109,6 +109,21 @@ def test_errors_have_the_size_that_is_told() -> None:
     assert all(math.isclose(math.hypot(*each.q_nb), 1.0, abs_tol=1e-12) for each in seen)
 
 
+def test_an_error_begins_larger_and_settles_about_a_bias() -> None:
+    """Over 300 vehicles: 2 deg at the start, after many time constants the bias of 0.8 and the wander of 0.5."""
+    told = Noise((0.0,) * 3, (0.5,) * 3, 0.1, True, (2.0,) * 3, 1.0, (0.8,) * 3)
+    truth = Plant(load_vehicle("x500"), World(), 250).truth
+    first, last = [], []
+    for seed in range(300):
+        sensors = Sensors(Errors(velocity=told), 0.1, normals(seed, RandomStream.ESTIMATE))
+        seen = [sensors.observe(truth).v_n for _ in range(80)]
+        first.append(seen[0])
+        last.append(seen[60:])
+    assert np.array(first).std() == pytest.approx(math.hypot(2.0, 0.8), rel=0.1)
+    assert np.array(last).mean(axis=1).std() == pytest.approx(0.8, rel=0.15)
+    assert (np.array(last) - np.array(last).mean(axis=1, keepdims=True)).std() == pytest.approx(0.5, rel=0.15)
+
+
 def test_a_drift_is_smooth_and_the_velocity_does_not_show_it() -> None:
     """px4_flight.md 4: velocity minus the position's derivative has a standard deviation of 1.5 to 4 cm/s."""
     seen = estimates(Errors(drift=Drift((0.025, 0.025, 0.025), 1.5)), 1500.0, 0.02)

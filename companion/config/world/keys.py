@@ -224,6 +224,12 @@ class AttitudeNoiseModel(NoiseModel):
     """standard deviation that is new at every step, one number or [roll, pitch, yaw], in degrees"""
     wander_deg: Degrees = Field(default_factory=_zero)
     """standard deviation of a slow wander (first-order Gauss-Markov), one number or [roll, pitch, yaw], in degrees"""
+    start_deg: Degrees | None = None
+    """standard deviation of that wander at the start, as wander_deg; as there where absent, in degrees"""
+    start_s: Seconds = 10.0
+    """the time constant in which it comes from there to wander_deg, in s"""
+    bias_deg: Degrees = Field(default_factory=_zero)
+    """standard deviation of an error that stays, drawn once, one number or [roll, pitch, yaw], in degrees"""
     frame: Literal["body", "world"] = "body"
     """what it turns about: the body's axes, or north, east and down as an EKF's tilt error does (body, world)"""
 
@@ -263,7 +269,7 @@ class EstimateModel(Strict):
     velocity: VelocityNoiseModel = Field(default_factory=VelocityNoiseModel)
     """the velocity's errors (white_mps, wander_mps, wander_s, smooth)"""
     attitude: AttitudeNoiseModel = Field(default_factory=AttitudeNoiseModel)
-    """the attitude's errors (white_deg, wander_deg, wander_s, smooth, frame)"""
+    """the attitude's errors (white_deg, wander_deg, wander_s, smooth, start_deg, start_s, bias_deg, frame)"""
     gyro: GyroNoiseModel = Field(default_factory=GyroNoiseModel)
     """the body rates' errors (white_dps, wander_dps, wander_s, smooth)"""
     drift: DriftModel = Field(default_factory=DriftModel)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Annotated
@@ -13,6 +14,7 @@ from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import find, read
 from companion.config.syntax.schema import Strict, validate
 from companion.config.world.keys import (
+    AttitudeNoiseModel,
     BatteryModel,
     EstimateModel,
     GustsModel,
@@ -153,11 +155,21 @@ def _estimate(model: EstimateModel) -> Errors:
     return Errors(
         _noise(position.white_m, position.wander_m, position),
         _noise(velocity.white_mps, velocity.wander_mps, velocity),
-        _noise(attitude.white_deg, attitude.wander_deg, attitude, math.radians(1.0)),
+        _attitude_noise(attitude),
         _noise(gyro.white_dps, gyro.wander_dps, gyro, math.radians(1.0)),
         Drift(_vector(model.drift.speed_mps), model.drift.time_s),
         _noise(accelerometer.white_mps2, accelerometer.wander_mps2, accelerometer),
         attitude.frame == "world",
+    )
+
+
+def _attitude_noise(model: AttitudeNoiseModel) -> Noise:
+    degree = math.radians(1.0)
+    return dataclasses.replace(
+        _noise(model.white_deg, model.wander_deg, model, degree),
+        start=None if model.start_deg is None else _vector(model.start_deg, degree),
+        start_time=model.start_s,
+        bias=_vector(model.bias_deg, degree),
     )
 
 
