@@ -11,6 +11,7 @@ import pytest
 from companion.config.mission.mission import load_mission
 from companion.law.gains import Level
 from companion.law.speed_scale import UNITY, SpeedScale
+from companion.steering.assembly import tan_tilt_max
 from companion.steering.speed_governor import (
     BRAKING_MAX,
     SPEED_SCALE_MIN,
@@ -20,6 +21,7 @@ from companion.steering.speed_governor import (
     course_of,
     govern_speed,
 )
+from trials.measured import machine
 
 G = 9.80665
 CALM = Capability(specific_thrust=15.0, tan_tilt_max=math.tan(1.2), drag=0.0, disturbance_n=(0.0, 0.0, 0.0), gravity=G)
@@ -115,3 +117,12 @@ def test_a_figure_eights_sharpest_places_do_not_last() -> None:
     sharpest = max(places, key=lambda place: math.hypot(*place.curvature))
     assert 0.5 < sharpest.sustained_ratio < 0.9
     assert all(place.sustained_ratio <= 1.0 for place in places)
+
+
+def test_the_steady_tilt_stays_eight_degrees_under_the_failure_detector() -> None:
+    """A file may allow 60 deg, which PX4's failure detector does not: errors and gusts need what lies between."""
+    limits = machine("sih").limits
+    assert limits is not None
+    steep = dataclasses.replace(limits, tilt=math.radians(60.0))
+    assert math.degrees(math.atan(tan_tilt_max(machine("sih", limits=steep)))) == pytest.approx(52.0)
+    assert math.degrees(math.atan(tan_tilt_max(machine("x500")))) == pytest.approx(47.0)
