@@ -8,7 +8,7 @@ from typing import NamedTuple
 from companion.flight.conditions import missing_estimate
 from companion.flight.conduct import ControlAuthority, Finish, Limits
 from companion.flight.link_needs import BY_RATE_LOOP, RATE_WANTED, LinkNeeds
-from companion.vehicle import KnownStatus, Landed
+from companion.vehicle import KnownStatus, Landed, Mode
 
 STATE_GONE = 0.5
 """s without a new state before the flight (engineering choice)."""
@@ -20,6 +20,11 @@ CLOCK_RATE_MAX = 5.0
 CLOCK_RATE_KEPT = 0.94
 """s a second of a clock that is flown with; one that falls behind by more makes every state late. As DRIFT_MAX of
 mavlink/clock.py; only a simulation's does."""
+
+NEVER_ARMS_IN = frozenset({
+    Mode.RETURN, Mode.LAND, Mode.PRECISION_LAND, Mode.DESCEND, Mode.TERMINATION, Mode.FOLLOW, Mode.ORBIT,
+})  # fmt: skip
+"""Modes in which PX4 does not arm (its mode_requirements.cpp, main of March 2026)."""
 
 
 class PreflightInputs(NamedTuple):
@@ -100,6 +105,13 @@ def _home(s: PreflightInputs) -> str | None:
     return None
 
 
+def _mode(s: PreflightInputs) -> str | None:
+    mode = s.status.mode
+    if s.authority is not ControlAuthority.COMPANION or s.status.armed is not False or mode not in NEVER_ARMS_IN:
+        return None
+    return f"the vehicle is in {mode.words}, in which it does not arm; select Hold or Position"
+
+
 def _ready(s: PreflightInputs) -> str | None:
     if s.authority is not ControlAuthority.COMPANION or s.status.ready or s.status.armed:
         return None
@@ -113,7 +125,7 @@ def _landed(s: PreflightInputs) -> str | None:
 
 
 CHECKS: tuple[Callable[[PreflightInputs], str | None], ...] = (
-    _state, _alone, _stamps, _fresh, _rate, _delay, _estimator, _battery, _home, _ready, _landed,
+    _state, _alone, _stamps, _fresh, _rate, _delay, _estimator, _battery, _home, _mode, _ready, _landed,
 )  # fmt: skip
 
 

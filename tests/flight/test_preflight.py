@@ -6,7 +6,7 @@ import pytest
 
 from companion.flight.conduct import ControlAuthority, Finish, Limits
 from companion.flight.preflight import PreflightInputs, missing
-from companion.vehicle import KnownStatus
+from companion.vehicle import KnownStatus, Landed, Mode
 
 
 @pytest.mark.parametrize(
@@ -21,3 +21,11 @@ def test_a_clock_that_cannot_be_flown_with_is_named(rate: float | None, said: st
     inputs = PreflightInputs(KnownStatus(), ControlAuthority.PILOT, Finish.HOLD, Limits(), True, 100.0, clock_rate=rate)
     found = missing(inputs)
     assert found is None if said is None else found is not None and said in found
+
+
+def test_a_mode_in_which_px4_does_not_arm_is_named() -> None:
+    stands = KnownStatus(armed=False, mode=Mode.LAND, landed=Landed.ON_GROUND, ready=True)
+    inputs = PreflightInputs(stands, ControlAuthority.COMPANION, Finish.HOLD, Limits(), True, 100.0)
+    assert missing(inputs) == "the vehicle is in Land, in which it does not arm; select Hold or Position"
+    assert missing(inputs._replace(status=stands._replace(mode=Mode.POSITION))) is None
+    assert missing(inputs._replace(status=stands._replace(armed=True))) is None  # it lands; see NOT_OURS
