@@ -66,7 +66,7 @@ ROWS: tuple[Row, ...] = (
     Row(
         "the position stands still, and it moves",
         conditions.same_place,
-        0.2,
+        0.15,
         Action.ABORT,
         "see the estimator's log",
     ),

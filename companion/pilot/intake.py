@@ -43,7 +43,7 @@ STANDS = 0.1
 """Share of the change that velocity or rates make of a state, below which it counts as not moved. In PX4's EKF velocity
 and the derivative of the position disagree by up to 1.1 m/s (its simulation with noise, main of March 2026): a position
 that crept at 0.16 m/s, with a velocity of 0.53, was a false alarm at 0.3. At 0.1 the longest false alarm of six flights
-there and of the recorded one was 8 ms, of the 200 that count (32 in three flights of the stand-in's ``sih_noisy``)."""
+there and of the recorded one was 8 ms, of the 150 that count (32 in three flights of the stand-in's ``sih_noisy``)."""
 
 
 def take_in(memory: Memory, observation: Observation, now: float, *, clock_may_stand: bool) -> Memory:

@@ -259,9 +259,11 @@ class MotorSteering:
         )
 
     def _rotor_left(self, estimate: MotorEstimate) -> float:
-        """The trim, as what a single rotor does not give."""
-        (jx, jy, _), (tp, tq, _) = self.vehicle.inertia, estimate.body_state.trim
-        return self.allocation.weakest(estimate.body_state.acting, (-jx * tp, -jy * tq))
+        """What turns the body beside its motors, as what a single rotor does not give. Damping counts with it: a rotor
+        that fails is taken for some at first."""
+        (p, q, _), acting, (tp, tq, _), (cp, cq, _) = estimate.body_state
+        jx, jy, _ = self.vehicle.inertia
+        return self.allocation.weakest(acting, (jx * (cp * p - tp), jy * (cq * q - tq)))
 
     def _levelling_torque(self, state: VehicleState) -> Vec3:
         """N m: a PD law on the thrust axis, critically damped, without a heading."""

@@ -33,7 +33,7 @@ def test_a_position_that_creeps_under_a_shaken_estimator_is_believed() -> None:
 
 def test_a_position_that_stands_but_for_noise_is_told_within_the_window() -> None:
     for noise in (1e-6, 1e-3):
-        found = stood((0.4, -0.5, 0.0), (0.0, 0.0, 0.0), noise)
+        found = stood((0.8, -0.9, 0.0), (0.0, 0.0, 0.0), noise)
         assert all(watch.place_stands for watch in found[16:]), noise
 
 
