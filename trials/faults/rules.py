@@ -62,7 +62,7 @@ def _is_ours(word: Word) -> bool:
     if order in NOT_A_WORD:
         return True
     if word.phase in BEFORE:
-        return order in (Order.HOLD, Order.POSITION, Order.DISARM)
+        return order in (Order.HOLD, Order.POSITION, Order.DISARM, Order.KILL)
     if order is Order.HOLD:
         return word.phase in ASKS_FOR_HOLD
     return (order, word.phase) in ((Order.LAND, Phase.LAND), (Order.RETURN, Phase.RETURN)) or word.phase is Phase.DONE
