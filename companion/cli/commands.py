@@ -229,6 +229,8 @@ def fly(
     log = faults.collect(lambda: flying.log_address(connect, signed=signing_key is not None)) if fetch_log else None
     faults.raise_any()
     assert sortie is not None and open_port is not None
+    if xrce is None:
+        flying.check_level(sortie)
     sortie, found = _check_to_fly(sortie, accept_infeasible, json)
     conduct = Conduct(flying.authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
         Finish.AS_BEGUN if finish is None else Finish(finish.value), Limits(tube=tube, floor=floor, ceiling=ceiling),

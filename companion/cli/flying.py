@@ -26,7 +26,7 @@ from companion.daemon.signing_files import signing_with
 from companion.feasibility.report import check
 from companion.feasibility.words import headline
 from companion.flight.conduct import Conduct, ControlAuthority
-from companion.flight.output import direct_refused
+from companion.flight.output import direct_refused, unreachable
 from companion.library.orders import Sortie
 from companion.mavlink.signing import Signing
 from companion.mission import Mission, Origin
@@ -109,6 +109,13 @@ def output_in(start: WhoStarts | None, output: Output, xrce: str | None) -> Outp
     if output is not Output.AUTO and (refused := level_refused(OutputLevel(output.value))) is not None:
         raise CompanionError(refused)
     return Output.ATTITUDE
+
+
+def check_level(sortie: Sortie) -> None:
+    """CompanionError: without --xrce there is no way to the vehicle at this level."""
+    refused = unreachable(sortie.vehicle, sortie.level)
+    if refused is not None:
+        raise CompanionError(refused)
 
 
 def xrce_port(url: str) -> Callable[[Sortie, bool], Port]:

@@ -39,6 +39,7 @@ THINNED = frozenset(message(name).id for name in (
     "GPS_RAW_INT", "ATTITUDE", "ATTITUDE_QUATERNION", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT", "RC_CHANNELS",
     "VFR_HUD", "ATTITUDE_TARGET", "POSITION_TARGET_LOCAL_NED", "HIGHRES_IMU", "SCALED_IMU2", "ALTITUDE",
     "BATTERY_STATUS", "ESTIMATOR_STATUS", "VIBRATION", "HOME_POSITION", "ODOMETRY", "UTM_GLOBAL_POSITION",
+    "DISTANCE_SENSOR", "SERVO_OUTPUT_RAW",
 ))  # fmt: skip
 """Messages that repeat (attitude, position, sensors, targets, ...) and that ``max_hz`` thins; all others pass."""
 SETPOINTS = frozenset(message(name).id for name in (

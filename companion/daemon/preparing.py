@@ -225,14 +225,12 @@ class Preparation:
         if self.xrce is not None:
             own = self.xrce.flight_mode is not None and orders.level not in orders.mode_levels
             return ambiguity or self.xrce.refusal or (level_refused(orders.level) if own else None)
-        if orders.level is OutputLevel.TORQUES:
-            return "torques go over XRCE alone; give --xrce, or fly it with --output rates or attitude"
-        if ambiguity is not None or orders.level is not OutputLevel.MOTORS:
-            return ambiguity
-        refused = output.motors_refused(orders.vehicle, identity.direct_motors)
-        if refused is None and identity.direct_motors is None and self._heard_for(now) > IDENTITY_WITHIN:
+        refused = ambiguity or output.unreachable(orders.vehicle, orders.level, identity.direct_motors)
+        if refused is not None or orders.level is not OutputLevel.MOTORS:
+            return refused
+        if identity.direct_motors is None and self._heard_for(now) > IDENTITY_WITHIN:
             return "the vehicle does not say what it can do (AUTOPILOT_VERSION), so motor commands are not sent to it"
-        return refused
+        return None
 
     def ambiguity(self) -> str | None:
         """Why it is not certain which vehicle is ours; None where it is."""

@@ -64,8 +64,13 @@ class Choice:
     settings: tuple[tuple[str, float], ...] = ()
 
 
-def motors_refused(vehicle: Vehicle, direct: bool | None) -> str | None:
-    """Why no motor commands are sent to a vehicle. ``direct``: whether it says it takes them; None: it has not said."""
+def unreachable(vehicle: Vehicle, level: OutputLevel, direct: bool | None = None) -> str | None:
+    """Why a level does not reach a vehicle over MAVLink. ``direct``: whether it says it takes motor commands; None: it
+    has not said."""
+    if level is OutputLevel.TORQUES:
+        return "torques go over XRCE alone; give --xrce, or fly it with --output rates or attitude"
+    if level is not OutputLevel.MOTORS:
+        return None
     if vehicle.motors is not MotorInterface.DIRECT:
         return (
             f"vehicle {vehicle.name} does not take motor commands (its file says motors: px4); "

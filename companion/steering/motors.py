@@ -261,9 +261,9 @@ class MotorSteering:
     def _rotor_left(self, estimate: MotorEstimate) -> float:
         """What turns the body beside its motors, as what a single rotor does not give. Damping counts with it: a rotor
         that fails is taken for some at first."""
-        (p, q, _), acting, (tp, tq, _), (cp, cq, _) = estimate.body_state
-        jx, jy, _ = self.vehicle.inertia
-        return self.allocation.weakest(acting, (jx * (cp * p - tp), jy * (cq * q - tq)))
+        body = estimate.body_state
+        (jx, jy, _), (x, y, _) = self.vehicle.inertia, body.turning(body.w_b)
+        return self.allocation.weakest(body.acting, (-jx * x, -jy * y))
 
     def _levelling_torque(self, state: VehicleState) -> Vec3:
         """N m: a PD law on the thrust axis, critically damped, without a heading."""

@@ -8,7 +8,7 @@ import struct
 
 import pytest
 
-from companion.flight.output import LOSS_TIME_MAX, chosen, motors_refused
+from companion.flight.output import LOSS_TIME_MAX, chosen, unreachable
 from companion.mavlink.codec import Decoder, Encoder, Frame
 from companion.mavlink.dialect import Format, Value, message
 from companion.mavlink.parameters import RETRY_AFTER, TRIES, TUNING, VALUE, Parameters
@@ -134,10 +134,10 @@ def test_motors_are_flown_where_px4_notices_at_once() -> None:
 
 def test_motors_only_where_the_vehicle_declares_them() -> None:
     machine = Vehicle("v", 1.0, (0.1, 0.1, 0.1), ())
-    assert "motors: px4" in (motors_refused(machine, True) or "")
+    assert "motors: px4" in (unreachable(machine, OutputLevel.MOTORS, True) or "")
     direct = Vehicle("v", 1.0, (0.1, 0.1, 0.1), (), motors=MotorInterface.DIRECT)
-    assert "1.14" in (motors_refused(direct, False) or "")
-    assert motors_refused(direct, True) is None
+    assert "1.14" in (unreachable(direct, OutputLevel.MOTORS, False) or "")
+    assert unreachable(direct, OutputLevel.MOTORS, True) is None
 
 
 def test_only_what_was_asked_for_is_kept() -> None:
