@@ -89,7 +89,8 @@ def left_offboard(s: Situation) -> str | None:
 def taken_over(s: Situation) -> str | None:
     if s.authority is ControlAuthority.PILOT or not elsewhere(s) or by_itself(s):
         return None
-    went_back = s.status.mode is s.decided_in and s.now - s.entered < AGAIN_WITHIN
+    ours = s.phase in (Phase.LAND, Phase.RETURN) or not s.mode_seen  # Hold, which we asked for ourselves
+    went_back = ours and s.status.mode is s.decided_in and s.now - s.entered < AGAIN_WITHIN
     if s.status.mode is Mode.OFFBOARD or went_back:
         again = f"in {s.phase.value} the vehicle says {mode_words(s)} again"
         return f"{again}: somebody selected it, or an old word came once more"
