@@ -220,7 +220,7 @@ def fly(
 
     faults = Faults()
     open_port = faults.collect(lambda: parse_address(connect))
-    open_xrce = None if xrce is None else faults.collect(lambda: flying.xrce_port(xrce), "--xrce")
+    open_xrce = faults.collect(lambda: flying.xrce_port(xrce), "--xrce")
     given = faults.collect(lambda: given_home(home)) or NO_HOME_GIVEN
     sortie = faults.collect(lambda: read_sortie(mission, vehicle, flying.output_in(start, output, xrce), given=given))
     faults.collect(lambda: check_record(record))
@@ -228,9 +228,7 @@ def fly(
     shared = faults.collect(lambda: tuple(map(parse_endpoint, forward or ())), "--forward") or ()
     log = faults.collect(lambda: flying.log_address(connect, signed=signing_key is not None)) if fetch_log else None
     faults.raise_any()
-    assert sortie is not None and open_port is not None
-    if xrce is None:
-        flying.check_level(sortie)
+    assert sortie is not None and open_port is not None and open_xrce is not None
     sortie, found = _check_to_fly(sortie, accept_infeasible, json)
     conduct = Conduct(flying.authority_of(start, dry_run=dry_run, bench=bench, serial=connect.startswith("serial:")),
         Finish.AS_BEGUN if finish is None else Finish(finish.value), Limits(tube=tube, floor=floor, ceiling=ceiling),
@@ -239,7 +237,7 @@ def fly(
     raise typer.Exit(flying.fly(flying.Flight(
         sortie, record or new_directory(sortie.mission.name), duration, Ending(json, settle, report), set_parameters,
         conduct, draw, accept_infeasible, key, shared, log,
-    ), open_port(), open_xrce and open_xrce(sortie, accept_direct_motors)))  # fmt: skip
+    ), open_port(), open_xrce(sortie, accept_direct_motors)))  # fmt: skip
 
 
 @app.command()

@@ -111,23 +111,18 @@ def output_in(start: WhoStarts | None, output: Output, xrce: str | None) -> Outp
     return Output.ATTITUDE
 
 
-def check_level(sortie: Sortie) -> None:
-    """CompanionError: without --xrce there is no way to the vehicle at this level."""
-    refused = unreachable(sortie.vehicle, sortie.level)
-    if refused is not None:
-        raise CompanionError(refused)
+def xrce_port(url: str | None) -> Callable[[Sortie, bool], Port | None]:
+    """How to open the address of ``--xrce``, if there is one, for what is to be flown; whether the user knows what PX4
+    no longer does. AddressError: it is no address, or cannot be opened. CompanionError: that is not flown over it, or
+    without it."""
+    opening = None if url is None else parse_xrce_address(url)
 
-
-def xrce_port(url: str) -> Callable[[Sortie, bool], Port]:
-    """How to open the address of ``--xrce`` for what is to be flown; whether the user knows what PX4 no longer does.
-    AddressError: it is no address, or cannot be opened. CompanionError: that is not flown over it."""
-    opening = parse_xrce_address(url)
-
-    def opened(sortie: Sortie, accepted: bool) -> Port:
-        refused = direct_refused(sortie.vehicle, sortie.level, accepted=accepted)
+    def opened(sortie: Sortie, accepted: bool) -> Port | None:
+        vehicle, level = sortie.vehicle, sortie.level
+        refused = unreachable(vehicle, level) if opening is None else direct_refused(vehicle, level, accepted=accepted)
         if refused is not None:
             raise CompanionError(refused)
-        return opening()
+        return None if opening is None else opening()
 
     return opened
 
