@@ -216,7 +216,7 @@ class Conductor:
         if not is_finite(setpoint):
             raise CompanionError(f"a setpoint that is not finite is not sent: {setpoint}")
         if self.xrce is not None:
-            self.xrce.send(setpoint, t_boot, now, pilot.follows_commands(self.telemetry.status, now))
+            self.xrce.send(setpoint, t_boot, now, pilot.takes_commands(self.telemetry.status, now))
         elif self.link.identity is not None and not isinstance(setpoint, TorqueSetpoint):
             target = (self.link.identity.system, MAV_COMP_ID_AUTOPILOT1)
             self.link.send(*setpoints.encoded(setpoint, t_boot, *target))

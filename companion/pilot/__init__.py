@@ -18,7 +18,7 @@ from __future__ import annotations
 from companion.flight.epilogue import sentence
 from companion.flight.phases import FLOWN
 from companion.frames import wrap
-from companion.pilot.inputs import follows_commands
+from companion.pilot.inputs import takes_commands
 from companion.pilot.memory import (
     WAKE_AFTER,
     LawOutput,
@@ -37,8 +37,8 @@ from companion.vehicle import Mode
 
 __all__ = [
     "DT_MAX", "LEVEL_FOR", "WAKE_AFTER", "LawOutput", "Memory", "Observation", "Outcome", "Progress", "begin",
-    "completed", "compute_setpoint", "epilogue", "follows_commands", "latest_steered", "may_be_selected", "step",
-    "supervise", "wake_at", "yaw_error",
+    "completed", "compute_setpoint", "epilogue", "latest_steered", "may_be_selected", "step",
+    "supervise", "takes_commands", "wake_at", "yaw_error",
 ]  # fmt: skip
 
 

@@ -25,6 +25,9 @@ THRUST_WATCHED = (Phase.JOIN, Phase.FOLLOW, Phase.REST)
 FOLLOWS_FOR = 0.6
 """s after its CURRENT_MODE said OFFBOARD that a vehicle is taken to follow what is commanded: PX4 sends one every 0.5 s
 and on change. A HEARTBEAT is too old a word: who lands meanwhile would be told that his thrust does not answer."""
+COMMANDED_FOR = 1.1
+"""s, the same for commands over XRCE, where PX4's client says over that link at once that OFFBOARD was left: one
+CURRENT_MODE may be lost. At FOLLOWS_FOR a single lost one would end the flight. Engineering choice."""
 THRUST_AFTER = 0.3
 """s that the thrust was followed before it is judged, after settling. Engineering choice."""
 THRUST_AFTER_AT_ONCE = 4.0
@@ -92,12 +95,17 @@ def _body_rate_max(plan: Plan) -> float | None:
     return conditions.TURNS_TOO_FAST * max(limits.body_rates)
 
 
-def follows_commands(status: VehicleStatus, now: float) -> bool:
-    """Whether the vehicle follows what is commanded, as far as it has just said."""
+def takes_commands(status: VehicleStatus, now: float) -> bool:
+    """Whether commands over XRCE may go out, as far as CURRENT_MODE tells."""
+    return follows_commands(status, now, COMMANDED_FOR)
+
+
+def follows_commands(status: VehicleStatus, now: float, within: float = FOLLOWS_FOR) -> bool:
+    """Whether the vehicle follows what is commanded, as far as it said ``within`` the last s."""
     mode, intended = status.mode, status.intended  # only CURRENT_MODE says what is intended
     if mode is None or intended is None:
         return False
-    return mode.value_at(now) is Mode.OFFBOARD and now - intended.at < FOLLOWS_FOR
+    return mode.value_at(now) is Mode.OFFBOARD and now - intended.at < within
 
 
 def is_thrust_judged(plan: Plan, memory: Memory) -> bool:

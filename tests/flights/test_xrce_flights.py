@@ -10,6 +10,7 @@ import pytest
 
 from companion.frames import rotation_matrix
 from companion.library.lockstep import fly
+from companion.mavlink.codec import Decoder
 from companion.pilot import completed
 from companion.vehicle import Mode, OutputLevel
 from tests.support.flights import Between, Flown, flight
@@ -44,6 +45,25 @@ def test_a_flight_that_begins_in_a_given_state_begins_so_over_xrce_too() -> None
     assert over_xrce.setpoints[0][0] > 5.0  # UXRCE_DDS_SYNCT
     worst, as_worst = (max(error for _, error in each.path_errors) for each in (over_xrce, over_mavlink))
     assert worst == pytest.approx(as_worst, rel=0.05)
+
+
+def test_a_status_that_is_lost_once_does_not_end_the_flight() -> None:
+    """PX4 says its mode twice a second; over XRCE it says at once where OFFBOARD is left."""
+    lost: list[float] = []
+
+    def lossy(flown: Flown) -> None:
+        def down(data: bytes, now: float) -> list[bytes]:
+            (frame,) = Decoder().datagram(data)
+            if frame.format.name == "CURRENT_MODE" and now > 8.0 and not lost:
+                lost.append(now)
+                return []
+            return [data]
+
+        flown.between.down = down
+
+    flown = flight("circle_r5", "sih", OutputLevel.MOTORS, 4.0, xrce=True, prepare=lossy)
+    assert lost
+    assert flown.reason is None, flown.notes
 
 
 def test_a_flight_in_a_mode_of_our_own_is_selected_flown_and_over() -> None:
