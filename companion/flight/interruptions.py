@@ -35,9 +35,6 @@ OLD_MODE_WITHIN = 0.2
 """s after OFFBOARD was accepted in which the mode before may still be told, as it was sent before; told later, OFFBOARD
 was left again. Engineering choice: PX4 answers and changes within a few ms, two times the longest way that is flown
 with."""
-AGAIN_WITHIN = 5.0
-"""s into a phase in which the mode that it began in may have been asked for by our own request, which the link brought
-late or twice: such a mode is nobody's decision for certain. Engineering choice, as long as an answer is waited for."""
 BEGINS = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN)
 """The phases in which the vehicle does by itself what it was asked for."""
 EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
@@ -90,7 +87,7 @@ def taken_over(s: Situation) -> str | None:
     if s.authority is ControlAuthority.PILOT or not elsewhere(s) or by_itself(s):
         return None
     ours = s.phase in (Phase.LAND, Phase.RETURN) or not s.mode_seen  # Hold, which we asked for ourselves
-    went_back = ours and s.status.mode is s.decided_in and s.now - s.entered < AGAIN_WITHIN
+    went_back = ours and s.status.mode is s.decided_in
     if s.status.mode is Mode.OFFBOARD or went_back:
         again = f"in {s.phase.value} the vehicle says {mode_words(s)} again"
         return f"{again}: somebody selected it, or an old word came once more"

@@ -103,14 +103,14 @@ ROWS: tuple[Row, ...] = (
         conditions.tilt,
         0.15,
         Action.ABORT,
-        "land it and look at motors and propellers, or fly slower",
+        "land it and look at motors and propellers, and at the link up to it, or fly slower",
     ),
     Row(
         f"the tilt is {math.degrees(conditions.TILT_ERROR):.0f} degrees off the commanded one",
         conditions.tilt_error,
         0.4,
         Action.ABORT,
-        "land it and look at motors and propellers",
+        "land it and look at motors and propellers, and at the link up to it",
     ),
     Row(
         f"the body rates are {conditions.RATE_ERROR:g} rad/s off on fewer than {RATE_WANTED:g} states a second",
@@ -132,14 +132,14 @@ ROWS: tuple[Row, ...] = (
         conditions.rates,
         0.4,
         Action.ABORT,
-        "land it and look at motors and propellers",
+        "land it and look at motors and propellers, and at the link up to it",
     ),
     Row(
         f"at motors and torques: it turns at {conditions.TURNS_TOO_FAST:g} times the vehicle's greatest body rate",
         conditions.turns,
         0.05,
         Action.ABORT,
-        "land it and look at motors and propellers, or fly slower",
+        "land it and look at motors and propellers, and at the link up to it, or fly slower",
     ),
     Row(
         f"under {100.0 * conditions.THRUST_RATIO_GONE:g} % of the thrust that is commanded comes, or under "

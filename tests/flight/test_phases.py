@@ -103,10 +103,12 @@ def test_a_human_who_changes_the_mode_wins() -> None:
 def test_a_mode_of_our_own_asking_that_comes_once_more_is_nobodys_word_for_certain() -> None:
     held = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
     landing = situation(Phase.LAND, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=9.7, now=10.0)
-    early, late = decide(landing), decide(landing._replace(entered=4.0))
-    assert early is not None and late is not None
-    assert early[2] == "in land the vehicle says Hold again: somebody selected it, or an old word came once more"
-    assert late[2] == "the operator took over: the mode is Hold now"
+    again = decide(landing)
+    assert again is not None
+    assert again[2] == "in land the vehicle says Hold again: somebody selected it, or an old word came once more"
+    following = situation(Phase.FOLLOW, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=9.0, now=10.0)
+    certain = decide(following)
+    assert certain is not None and certain[2] == "the operator took over: the mode is Hold now"
 
 
 def test_offboard_that_was_left_before_it_was_seen_is_over_with_the_next_word() -> None:
@@ -118,11 +120,11 @@ def test_offboard_that_was_left_before_it_was_seen_is_over_with_the_next_word() 
 
 
 def test_a_vehicle_that_does_not_say_whether_it_is_on_the_ground_may_have_landed() -> None:
-    held = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD, landed=None, mode_age=0.0)
+    held = FLYING._replace(mode=Mode.POSITION, intended=Mode.POSITION, landed=None, mode_age=0.0)
     landing = situation(Phase.LAND, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=0.0, now=10.0)
     assert decide(landing._replace(armed_heard=0.6)) is None  # HEARTBEAT has not come since CURRENT_MODE
     told = decide(landing._replace(armed_heard=0.0))
-    assert told is not None and told[2] == "the operator took over: the mode is Hold now"
+    assert told is not None and told[2] == "the operator took over: the mode is Position now"
     silent = decide(landing._replace(status=held._replace(armed=None)))
     assert silent is not None and silent[2].endswith("it has landed, or the operator took over")
 

@@ -9,7 +9,7 @@ from companion.flight.conduct import ControlAuthority
 from companion.flight.interruptions import OLD_MODE_WITHIN
 from companion.flight.phases import Phase
 from companion.mavlink.modes import Mode
-from companion.world.events import LinkEvent, LinkRepeat, Operator, Order, PortChange, Sticks, Stranger
+from companion.world.events import LinkDelay, LinkEvent, Operator, Order, PortChange, Sticks, Stranger
 from sim_bridge.strangers import MODES
 from trials.faults.course import Flight, Word
 
@@ -23,6 +23,7 @@ ANSWERED_WITHIN = 0.2
 """s there and back, at most, on a link that is flown with."""
 NOT_A_WORD = frozenset({Order.ARM, Order.TAKE_OFF, Order.OFFBOARD, Order.MISSION, Order.TERMINATE})
 """Orders that do not take the vehicle from the companion, or that the stand-in does not keep."""
+HEARTBEAT = frozenset({"HEARTBEAT"})
 STOPS_THE_MOTORS = frozenset({Order.DISARM, Order.KILL, Order.TERMINATE})
 BEFORE = (None, Phase.PREFLIGHT)
 """What the companion does before its flight begins."""
@@ -149,14 +150,16 @@ def _false_words(flight: Flight) -> Iterator[str]:
         yield f"says that nothing was flown, and had armed: {said}"
     events = (*flight.case.events, *(event for strike in flight.case.strikes for event in strike.events))
     acted = flight.words or any(isinstance(event, Sticks) for event in events)
-    if said.startswith(("the operator took over", "the pilot took over")) and not acted and not flight.mutated:
+    # a HEARTBEAT has no stamp: one that comes late while all else is in time is not told from a new one
+    late = any(isinstance(event, LinkDelay) and event.down and event.messages == HEARTBEAT for event in events)
+    took_over = said.startswith(("the operator took over", "the pilot took over"))
+    if took_over and not acted and not late and not flight.mutated:
         yield f"says what no operator did: {said}"
     only_the_link = all(
         isinstance(event, LinkEvent | Stranger | PortChange)
         or (isinstance(event, Operator) and event.order not in STOPS_THE_MOTORS)
         for event in events
     )
-    # from below, old setpoints that come for ever look like motors that do not answer; the sentence names both
-    stuck = any(isinstance(event, LinkRepeat) and event.up for event in events)
-    if "propeller" in said and only_the_link and not stuck and not flight.mutated:
+    # setpoints that are lost, or that come again, look like motors that do not answer: a sentence names both
+    if "propeller" in said and "link up" not in said and only_the_link and not flight.mutated:
         yield f"names the propellers where the link was the cause: {said}"

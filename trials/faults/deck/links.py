@@ -65,7 +65,10 @@ AGAIN = (
     Case("the last ODOMETRY again for ever, while settling", End.HELD, "no state|new state|stamp", within=0.5,
          phase=Phase.SETTLE, events=(LinkRepeat(When(0.1), messages=ODOMETRY),)),
     Case("the last ODOMETRY again for 0.15 s", End.FLOWN, phase=Phase.FOLLOW,
-         events=(LinkRepeat(When(2.0, 2.15), messages=ODOMETRY),)),
+         events=(LinkRepeat(When(2.0, 2.15), messages=ODOMETRY),), levels=LEVELS[:2]),
+    # PX4's own failsafe comes after 0.1 s without motor commands
+    Case("the last ODOMETRY again for 0.15 s, at motors", End.HELD, "no new state", phase=Phase.FOLLOW,
+         events=(LinkRepeat(When(2.0, 2.15), messages=ODOMETRY),), levels=LEVELS[2:]),
     Case("the last of every message again for ever", End.HELD, phase=Phase.FOLLOW, within=0.5, or_end=(End.FAILSAFE,),
          events=(LinkRepeat(When(2.0), up=False),)),
 )  # fmt: skip
@@ -167,7 +170,7 @@ SILENT = (
          levels=BEFORE_FLIGHT,
          events=(down(messages=frozenset({"EXTENDED_SYS_STATE"})),)),
     Case("ODOMETRY never heard", End.REFUSED, "ODOMETRY", levels=BEFORE_FLIGHT, events=(down(messages=ODOMETRY),)),
-    Case("ODOMETRY silent", End.HELD, "no state", phase=Phase.FOLLOW, within=0.5, events=(down(2.0, messages=ODOMETRY),)),
+    Case("ODOMETRY silent", End.HELD, "no state|no new state", phase=Phase.FOLLOW, within=0.5, events=(down(2.0, messages=ODOMETRY),)),
 )  # fmt: skip
 
 CASES = (*TWICE, *OTHERS_TWICE, *AGAIN, *LATER, *IN_PIECES, *CUT, *SILENT)
