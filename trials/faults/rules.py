@@ -51,11 +51,9 @@ def last_words(flight: Flight) -> list[Word]:
 def _is_already_so(flight: Flight, word: Word) -> bool:
     """Whether he selects the mode that the vehicle is in, before it takes the one that was asked for: nothing shows that
     he did."""
-    asked = any(said.at <= word.at and said.mode is Mode.OFFBOARD for said in flight.traffic.commands)
     before = [heard.mode for heard in flight.traffic.statuses if heard.at <= word.at]
     already = before and before[-1] is MODES.get(word.order.order)
-    early = word.phase in (Phase.ARM, Phase.TAKE_OVER) and not asked
-    return bool(already) and (early or word.phase in (Phase.LAND, Phase.RETURN))
+    return bool(already) and word.phase in (Phase.ARM, Phase.TAKE_OVER, Phase.LAND, Phase.RETURN)
 
 
 def _is_ours(word: Word) -> bool:
