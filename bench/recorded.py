@@ -42,4 +42,6 @@ def main(file: Path) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        raise SystemExit("python -m bench.recorded FILE: the recorded session, px4_noisy_circle.npz")
     main(Path(sys.argv[1]))
