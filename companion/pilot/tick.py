@@ -197,10 +197,12 @@ def _command(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Comma
             memory = change_phase(moment, memory, str(error))
     elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None and status.mode is not None:
         command = Commanded(neutral(plan, memory.state, status.landed is not Landed.IN_AIR))
-    if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR:
-        watch, at = memory.watch, memory.state_at
+    watch, at = memory.watch, memory.state_at
+    age = math.inf if at is None else now - at
+    # not for longer after the last state either, where the abort came late: a pilot who selects OFFBOARD then
+    if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR and age <= STATE_AGE_MAX + LEVEL_FOR:
         stands = watch.same_attitude or watch.attitude_stands
-        usable = at is not None and now - at <= STATE_AGE_MAX and not stands
+        usable = age <= STATE_AGE_MAX and not stands
         command = Commanded(plan.steering.level_setpoint(memory.state if usable else None, memory.steering.memory))
     return memory, command
 

@@ -153,6 +153,26 @@ def test_the_pilot_begins_leaves_and_comes_back() -> None:
     assert flown.between.bridge.autopilot.commander.mode is Mode.HOLD
 
 
+def test_a_pilot_who_selects_offboard_after_the_states_ended_gets_no_old_setpoints() -> None:
+    """They end half a second after the last state: 0.2 s until it is too old, and 0.3 s of levelling."""
+
+    def select(flown: Flown) -> None:
+        Operator(flown.between.bridge).commands(SET_MODE, *OFFBOARD)
+
+    def lost(flown: Flown) -> None:
+        def down(data: bytes, now: float) -> list[bytes]:
+            (frame,) = Decoder().datagram(data)
+            return [] if frame.format.name == "ODOMETRY" and now > 2.0 else [data]
+
+        flown.between.down = down
+
+    flown = flight(
+        level=OutputLevel.ATTITUDE, conduct=Conduct(authority=ControlAuthority.PILOT), prepare=lost,
+        meddle=once(2.3, select), time_out=20.0,
+    )  # fmt: skip
+    assert flown.setpoints[-1][0] < 2.0 + 0.5 + 0.01
+
+
 def test_when_the_pilots_time_is_over_it_is_held_until_he_takes_it() -> None:
     takes = once(12.0, lambda flown: Operator(flown.between.bridge).commands(SET_MODE, *HOLD))
 
