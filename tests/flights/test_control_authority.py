@@ -22,7 +22,7 @@ from companion.mavlink_common import (
 from companion.pilot import completed, epilogue
 from companion.vehicle import Landed, Mode, OutputLevel
 from companion.world import Start
-from tests.support.flights import Flown, Operator, flight, once
+from tests.support.flights import Flown, Operator, flight, once, silent
 
 SET_MODE, HOLD, OFFBOARD = MAV_CMD_DO_SET_MODE, (1.0, 4.0, 3.0), (1.0, 6.0, 0.0)
 ASKED_BY_US = {SET_MODE, MAV_CMD_COMPONENT_ARM_DISARM, MAV_CMD_NAV_TAKEOFF, MAV_CMD_NAV_LAND}
@@ -159,15 +159,8 @@ def test_a_pilot_who_selects_offboard_after_the_states_ended_gets_no_old_setpoin
     def select(flown: Flown) -> None:
         Operator(flown.between.bridge).commands(SET_MODE, *OFFBOARD)
 
-    def lost(flown: Flown) -> None:
-        def down(data: bytes, now: float) -> list[bytes]:
-            (frame,) = Decoder().datagram(data)
-            return [] if frame.format.name == "ODOMETRY" and now > 2.0 else [data]
-
-        flown.between.down = down
-
     flown = flight(
-        level=OutputLevel.ATTITUDE, conduct=Conduct(authority=ControlAuthority.PILOT), prepare=lost,
+        level=OutputLevel.ATTITUDE, conduct=Conduct(authority=ControlAuthority.PILOT), prepare=silent("ODOMETRY", since=2.0),
         meddle=once(2.3, select), time_out=20.0,
     )  # fmt: skip
     assert flown.setpoints[-1][0] < 2.0 + 0.5 + 0.01

@@ -21,7 +21,7 @@ from companion.pilot import completed, epilogue
 from companion.vehicle import Mode, OutputLevel
 from companion.world import Link, Way, World
 from companion.world.events import LinkDelay, LinkThin, MotorFailure, Push, When
-from tests.support.flights import Flown, Operator, flight, once
+from tests.support.flights import Flown, Operator, flight, name_of, once, silent
 
 LEVELS = [OutputLevel.RATES, OutputLevel.ATTITUDE, OutputLevel.MOTORS]
 MOVES_OR_ARMS = {20, 21, 22, 176, 192, 300, 400}
@@ -31,11 +31,6 @@ AT = 4.0
 """s: when it happens to a flight that began in a hover."""
 Filter = Callable[[bytes, float], list[bytes]]
 Fields = dict[str, Value]
-
-
-def name_of(data: bytes) -> str:
-    (frame,) = Decoder().datagram(data)
-    return frame.format.name
 
 
 def commands(flown: Flown, since: float) -> list[tuple[float, int, float]]:
@@ -88,15 +83,6 @@ def altered(name: str, change: Callable[[Fields, float], Fields | None], since: 
 
     def prepare(flown: Flown) -> None:
         flown.between.down = down
-
-    return prepare
-
-
-def silent(*names: str, since: float) -> Callable[[Flown], None]:
-    """These messages of the vehicle come no more."""
-
-    def prepare(flown: Flown) -> None:
-        flown.between.down = lambda data, now: [] if now >= since and name_of(data) in names else [data]
 
     return prepare
 

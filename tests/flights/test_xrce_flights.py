@@ -10,10 +10,9 @@ import pytest
 
 from companion.frames import rotation_matrix
 from companion.library.lockstep import fly
-from companion.mavlink.codec import Decoder
 from companion.pilot import completed
 from companion.vehicle import Mode, OutputLevel
-from tests.support.flights import Between, Flown, flight
+from tests.support.flights import Between, Flown, flight, name_of
 from trials.deaths import placed, selecting
 from trials.xrce_circle import path_error
 
@@ -53,8 +52,7 @@ def test_a_status_that_is_lost_once_does_not_end_the_flight() -> None:
 
     def lossy(flown: Flown) -> None:
         def down(data: bytes, now: float) -> list[bytes]:
-            (frame,) = Decoder().datagram(data)
-            if frame.format.name == "CURRENT_MODE" and now > 8.0 and not lost:
+            if name_of(data) == "CURRENT_MODE" and now > 8.0 and not lost:
                 lost.append(now)
                 return []
             return [data]

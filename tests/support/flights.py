@@ -188,3 +188,18 @@ def once(at: float, action: Callable[[Flown], None]) -> Callable[[Flown, float],
             action(flown)
 
     return meddle
+
+
+def name_of(data: bytes) -> str:
+    """The message that a datagram of one frame is."""
+    (frame,) = Decoder().datagram(data)
+    return frame.format.name
+
+
+def silent(*names: str, since: float) -> Callable[[Flown], None]:
+    """These messages of the vehicle come no more."""
+
+    def prepare(flown: Flown) -> None:
+        flown.between.down = lambda data, now: [] if now >= since and name_of(data) in names else [data]
+
+    return prepare
