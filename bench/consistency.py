@@ -15,7 +15,7 @@ import numpy as np
 
 from trials.consistency import trial
 from trials.measured import world
-from trials.prediction import NIS_BOUNDS, share_inside
+from trials.prediction import nis_line, share_inside
 
 COURSES = (("circle_r5", 3.0), ("circle_r5", 5.0), ("figure8", 3.0))
 """m/s. 7 m/s on the circle needs a tilt of 60 deg in the vehicle file."""
@@ -51,16 +51,12 @@ def main(seeds: int) -> None:
             f" disturbance {max(w.disturbance for w in late):.2f} m/s^2;"
             f" NEES inside {100.0 * np.mean([w.inside for w in done.windows]):.0f} %"
             f" (first 20 s {100.0 * np.mean([w.inside for w in done.windows if w.begin < 20.0]):.0f} %),"
-            f" NIS a second ahead {100.0 * share_inside(list(done.nis_second)):.0f} %",
+            f" NIS a second ahead {100.0 * share_inside(done.nis_second):.0f} %",
             flush=True,
         )
     print(f"NEES inside its bounds {100.0 * np.mean(inside):.0f} % of the time")
-    for what, found in (("a state", nis), ("a second", nis_second)):
-        above = 100.0 * np.mean([value >= NIS_BOUNDS[1] for value in found])
-        print(
-            f"NIS {what} ahead: mean {np.mean(found):.2f} of 6, inside {100.0 * share_inside(found):.0f} %,"
-            f" above {above:.1f} %, of {len(found)}"
-        )
+    print(nis_line("a state", nis))
+    print(nis_line("a second", nis_second))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from trials.prediction import NIS_BOUNDS, share_inside
+from trials.prediction import nis_line
 from trials.recorded import session
 
 ENGAGED, FOLLOWED, ENDED = 14.2, 19.3, 77.0
@@ -33,12 +33,8 @@ def main(file: Path) -> None:
         f"NEES inside its bounds {100.0 * np.mean(early):.0f} % of the first {EARLY:g} s, {100.0 * np.mean(late):.0f} %"
         f" afterwards, {100.0 * np.mean(early + late):.0f} % of all"
     )
-    for what, values in (("a state", list(found.nis)), ("a second", list(found.nis_second))):
-        above = 100.0 * np.mean([value >= NIS_BOUNDS[1] for value in values])
-        print(
-            f"NIS {what} ahead: mean {np.mean(values):.2f} of 6, inside {100.0 * share_inside(values):.0f} %,"
-            f" above {above:.1f} %"
-        )
+    print(nis_line("a state", found.nis))
+    print(nis_line("a second", found.nis_second))
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.latency import BY_RATES, ROOT, Client, Meter, free_port, running
+from bench.soak import children
 from bench.watch_page import cpu_seconds
 from companion.daemon.address import RECEIVE_BUFFER
 from companion.daemon.realtime import PRIORITY, at_priority
@@ -151,10 +152,6 @@ async def _views(port: int) -> None:
     await asyncio.gather(*(_view(port) for _ in range(VIEWERS)))
 
 
-def _children(pid: int) -> list[int]:
-    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()]
-
-
 @contextlib.contextmanager
 def _beside(kind: str, ports: list[int], output: Path) -> Iterator[list[int]]:
     """Whoever looks on, while a round is measured; those of them that can be stopped, `companion watch` first."""
@@ -200,7 +197,7 @@ def _round(client: Client, kind: str, ports: list[int], folder: Path, seconds: f
         running(client.command(port, folder), output) as flown,
         _punctual(),
     ):
-        meter = PairedMeter(client, port, lambda: stoppable or _children(flown), seconds)
+        meter = PairedMeter(client, port, lambda: stoppable or children(flown), seconds)
         spent = cpu_seconds(stoppable[0]) if stoppable else 0.0
         # the vehicle is there until it was handed back: only then is it said what was forwarded
         ending = threading.Timer(STARTING + seconds, os.kill, (flown, signal.SIGTERM))

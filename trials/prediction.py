@@ -6,6 +6,8 @@ step always takes a measurement.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -89,6 +91,15 @@ class Forecast:
         self._last = state, thrust
 
 
-def share_inside(values: list[float]) -> float:
+def nis_line(ahead: str, values: Sequence[float]) -> str:
+    """What came of predictions so far ``ahead``, in a line."""
+    above = 100.0 * np.mean([value >= NIS_BOUNDS[1] for value in values])
+    return (
+        f"NIS {ahead} ahead: mean {np.mean(values):.2f} of 6, inside {100.0 * share_inside(values):.0f} %,"
+        f" above {above:.1f} %, of {len(values)}"
+    )
+
+
+def share_inside(values: Sequence[float]) -> float:
     """Of normalised innovations: the share within NIS_BOUNDS."""
     return float(np.mean([NIS_BOUNDS[0] < value < NIS_BOUNDS[1] for value in values]))

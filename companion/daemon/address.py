@@ -15,14 +15,12 @@ import socket
 from collections.abc import Callable
 from urllib.parse import urlsplit
 
-from companion.daemon.port import AddressError, Port
+from companion.daemon.port import DATAGRAM_MAX, AddressError, Port
 from companion.daemon.serial import SerialPort, known_rate
 from companion.mavlink.peer import Received, Source, source_words
 
 RECEIVE_BUFFER = 1 << 20
 """bytes. The default holds 256 small datagrams: a quarter of a second of a busy link. Engineering choice."""
-DATAGRAM_MAX = 65535
-"""bytes: the most UDP carries."""
 BATCH_MAX = 4096
 """Datagrams that are drained before the newest state is acted on: more than the buffer holds after any stall.
 Engineering choice."""

@@ -21,8 +21,6 @@ GONE_AFTER = 3.0
 Engineering choice: three pings."""
 REOPENED_WITHIN = 0.05
 """s between two looks at a line that is unplugged. Engineering choice."""
-
-
 REST = 0.004
 """s for which PX4's client is left alone after it was heard, while it is commanded and nothing is missing: it publishes
 370 samples a second, and what they say may be as old as that. Engineering choice: less than the 5.4 ms of its turn."""

@@ -222,9 +222,10 @@ class Conductor:
             self.link.send(*setpoints.encoded(setpoint, t_boot, *target))
 
     def _tick(self, state: VehicleState | None, answer: Answer | None, now: float, behind: int = 0) -> None:
-        self._wake_at = math.inf if self._over else now + pilot.WAKE_AFTER
         if self._over:
+            self._wake_at = math.inf
             return
+        self._wake_at = now + pilot.WAKE_AFTER
         if self.memory is None or self.plan is None:
             self._prepare(state, now)
             return  # making the plan took its time, and this state is no longer fresh

@@ -18,6 +18,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from companion.daemon.port import DATAGRAM_MAX
 from companion.mavlink.codec import MAGIC_V2, Decoder
 from companion.mavlink.dialect import message
 from companion.mavlink.signing import SIGNATURE_SIZE, SIGNED
@@ -29,8 +30,6 @@ LAST_WORDS = 1.0
 """s that the daemon may take to hear what became of the endpoints. Engineering choice."""
 UP_RATE, UP_BURST = 4000.0, 4000.0
 """bytes/s, and bytes at once, of one endpoint to the vehicle: most of a 57600 baud line (engineering choice)."""
-DATAGRAM_MAX = 65535
-"""bytes: the most UDP carries."""
 LOCAL_MAX = 1 << 18
 """bytes of the daemon's datagrams at most: more than a local socket takes."""
 DATAGRAMS_A_LOOK = 100

@@ -10,6 +10,10 @@ if TYPE_CHECKING:  # an address is refused without all of MAVLink
     from companion.mavlink.peer import Received, Source
 
 
+DATAGRAM_MAX = 65535
+"""bytes: the most UDP carries."""
+
+
 class AddressError(CompanionError):
     """An address that is not one, or that cannot be opened (exit code 2)."""
 

@@ -35,6 +35,8 @@ OLD_MODE_WITHIN = 0.2
 """s after OFFBOARD was accepted in which the mode before may still be told, as it was sent before; told later, OFFBOARD
 was left again. Engineering choice: PX4 answers and changes within a few ms, two times the longest way that is flown
 with."""
+TO_THE_GROUND = (Phase.LAND, Phase.RETURN)
+"""The phases in which the vehicle comes down by itself."""
 BEGINS = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN)
 """The phases in which the vehicle does by itself what it was asked for."""
 EXPECTED_MODES: dict[Phase, frozenset[Mode]] = {
@@ -62,7 +64,7 @@ def elsewhere(s: Situation) -> bool:
         return False
     if mode is s.decided_in and not s.mode_seen:
         return s.phase in FLOWN and s.answered - s.status.mode_age > OLD_MODE_WITHIN
-    if s.phase in (Phase.LAND, Phase.RETURN):  # PX4 leaves these modes itself when it disarms
+    if s.phase in TO_THE_GROUND:  # PX4 leaves these modes itself when it disarms
         if s.status.landed is Landed.ON_GROUND:
             return False
         if s.status.landed is None and s.status.armed is not None and s.armed_heard > s.status.mode_age:
@@ -86,12 +88,12 @@ def left_offboard(s: Situation) -> str | None:
 def taken_over(s: Situation) -> str | None:
     if s.authority is ControlAuthority.PILOT or not elsewhere(s) or by_itself(s):
         return None
-    ours = s.phase in (Phase.LAND, Phase.RETURN) or not s.mode_seen  # Hold, which we asked for ourselves
+    ours = s.phase in TO_THE_GROUND or not s.mode_seen  # Hold, which we asked for ourselves
     went_back = ours and s.status.mode is s.decided_in
     if s.status.mode is Mode.OFFBOARD or went_back:
         again = f"in {s.phase.value} the vehicle says {mode_words(s)} again"
         return f"{again}: somebody selected it, or an old word came once more"
-    if s.phase in (Phase.LAND, Phase.RETURN) and s.status.landed is None and s.status.armed is None:
+    if s.phase in TO_THE_GROUND and s.status.landed is None and s.status.armed is None:
         return f"in {s.phase.value} the vehicle says {mode_words(s)}: it has landed, or the operator took over"
     return f"the operator took over: the mode is {mode_words(s)} now"
 

@@ -34,6 +34,8 @@ class Row(NamedTuple):
     advice: str
 
 
+LOOK_AT_ROTORS = "land it and look at motors and propellers, and at the link up to it"
+LOOK_AT_THRUST = "land it and look at its battery, motors and propellers, and at the link up to it"
 RAISE_SPEED = "raise the link's speed"
 MEND_LINK = "mend the link: antennas, range, another radio; or ask for fewer states"
 LINK_ADVICE = frozenset({RAISE_SPEED, MEND_LINK})
@@ -103,14 +105,14 @@ ROWS: tuple[Row, ...] = (
         conditions.tilt,
         0.15,
         Action.ABORT,
-        "land it and look at motors and propellers, and at the link up to it, or fly slower",
+        f"{LOOK_AT_ROTORS}, or fly slower",
     ),
     Row(
         f"the tilt is {math.degrees(conditions.TILT_ERROR):.0f} degrees off the commanded one",
         conditions.tilt_error,
         0.4,
         Action.ABORT,
-        "land it and look at motors and propellers, and at the link up to it",
+        LOOK_AT_ROTORS,
     ),
     Row(
         f"the body rates are {conditions.RATE_ERROR:g} rad/s off on fewer than {RATE_WANTED:g} states a second",
@@ -132,14 +134,14 @@ ROWS: tuple[Row, ...] = (
         conditions.rates,
         0.4,
         Action.ABORT,
-        "land it and look at motors and propellers, and at the link up to it",
+        LOOK_AT_ROTORS,
     ),
     Row(
         f"at motors and torques: it turns at {conditions.TURNS_TOO_FAST:g} times the vehicle's greatest body rate",
         conditions.turns,
         0.05,
         Action.ABORT,
-        "land it and look at motors and propellers, and at the link up to it, or fly slower",
+        f"{LOOK_AT_ROTORS}, or fly slower",
     ),
     Row(
         f"under {100.0 * conditions.THRUST_RATIO_GONE:g} % of the thrust that is commanded comes, or under "
@@ -147,7 +149,7 @@ ROWS: tuple[Row, ...] = (
         conditions.thrust_gone,
         0.1,
         Action.ABORT,
-        "land it and look at its battery, motors and propellers, and at the link up to it",
+        LOOK_AT_THRUST,
     ),
     Row(
         f"under {100.0 * conditions.THRUST_RATIO_SHORT:g} % of the thrust that is commanded comes, or under "
@@ -155,7 +157,7 @@ ROWS: tuple[Row, ...] = (
         conditions.thrust_short,
         0.25,
         Action.ABORT,
-        "land it and look at its battery, motors and propellers, and at the link up to it",
+        LOOK_AT_THRUST,
     ),
     Row(
         f"under {100.0 * conditions.THRUST_RATIO_SPENT:g} % of it comes, it is at its limit, and the vehicle sinks at "

@@ -51,9 +51,8 @@ def last_words(flight: Flight) -> list[Word]:
 def _is_already_so(flight: Flight, word: Word) -> bool:
     """Whether he selects the mode that the vehicle is in, before it takes the one that was asked for: nothing shows that
     he did."""
-    before = [heard.mode for heard in flight.traffic.statuses if heard.at <= word.at]
-    already = before and before[-1] is MODES.get(word.order.order)
-    return bool(already) and word.phase in (Phase.ARM, Phase.TAKE_OVER, Phase.LAND, Phase.RETURN)
+    waits = word.phase in (Phase.ARM, Phase.TAKE_OVER, Phase.LAND, Phase.RETURN)
+    return waits and _selects_mode_heard(flight, word, word.at)
 
 
 def _is_ours(word: Word) -> bool:
@@ -70,8 +69,9 @@ def _is_ours(word: Word) -> bool:
 def seen_at(flight: Flight, word: Word) -> float:
     """When the companion heard of it: the first state after the first status that shows it. Infinity: it never did."""
     order = word.order.order
+    old_until = -math.inf if order in STOPS_THE_MOTORS else _old_until(flight, word)
     for heard in flight.traffic.statuses:
-        if heard.at <= word.at or (heard.at < _old_until(flight, word) and order not in STOPS_THE_MOTORS):
+        if heard.at <= word.at or heard.at < old_until:
             continue
         if heard.armed is False if order in (Order.DISARM, Order.KILL) else heard.mode is MODES[order]:
             return flight.traffic.state_after(heard.at) + MARGIN
@@ -83,9 +83,14 @@ def _old_until(flight: Flight, word: Word) -> float:
     asked = max(
         (said.at for said in flight.traffic.commands if said.mode is Mode.OFFBOARD and said.at < word.at), default=0.0
     )
-    before = [heard.mode for heard in flight.traffic.statuses if heard.at <= asked]
-    alike = before and before[-1] is MODES.get(word.order.order)
+    alike = _selects_mode_heard(flight, word, asked)
     return asked + ANSWERED_WITHIN + OLD_MODE_WITHIN + MARGIN if alike else -math.inf
+
+
+def _selects_mode_heard(flight: Flight, word: Word, at: float) -> bool:
+    """Whether he selects the mode that the vehicle last said until ``at``."""
+    heard = flight.traffic.last_status(at)
+    return heard is not None and heard.mode is MODES.get(word.order.order)
 
 
 def commands_after(flight: Flight, word: Word) -> list[str]:

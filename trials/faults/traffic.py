@@ -91,9 +91,14 @@ class Traffic:
                 self.setpoints_at.append(now)
                 self._look_at(frame, now)
 
+    def last_status(self, now: float) -> Heard | None:
+        """What the vehicle last said of its mode until ``now``, s; None: nothing."""
+        return next((heard for heard in reversed(self.statuses) if heard.at <= now), None)
+
     def status_before(self, now: float) -> float:
-        """When the vehicle last spoke of its mode before ``now``, s; minus infinity if it never has."""
-        return next((heard.at for heard in reversed(self.statuses) if heard.at <= now), -math.inf)
+        """When that was, s; minus infinity if it never has."""
+        heard = self.last_status(now)
+        return -math.inf if heard is None else heard.at
 
     def state_after(self, now: float) -> float:
         """When the first state arrived after ``now``, s; infinity if none did."""

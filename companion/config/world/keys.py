@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
@@ -20,27 +20,15 @@ def _three(value: Any) -> Any:
 
 
 ONE_OR_THREE = {"anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}}]}
-Metres = Annotated[
-    list[Annotated[float, Field(ge=0.0, le=100.0)]],
-    Field(min_length=3, max_length=3), BeforeValidator(_three), WithJsonSchema(ONE_OR_THREE),
-]  # fmt: skip
-Mps = Annotated[
-    list[Annotated[float, Field(ge=0.0, le=50.0)]],
-    Field(min_length=3, max_length=3), BeforeValidator(_three), WithJsonSchema(ONE_OR_THREE),
-]  # fmt: skip
-Mps2 = Metres  # three numbers, bounded alike
-Degrees = Annotated[
-    list[Annotated[float, Field(ge=0.0, le=90.0)]],
-    Field(min_length=3, max_length=3), BeforeValidator(_three), WithJsonSchema(ONE_OR_THREE),
-]  # fmt: skip
-Dps = Annotated[
-    list[Annotated[float, Field(ge=0.0, le=1000.0)]],
-    Field(min_length=3, max_length=3), BeforeValidator(_three), WithJsonSchema(ONE_OR_THREE),
-]  # fmt: skip
-Lengths = Annotated[
-    list[Annotated[float, Field(ge=0.0, le=1e4)]],
-    Field(min_length=3, max_length=3), BeforeValidator(_three), WithJsonSchema(ONE_OR_THREE),
-]  # fmt: skip
+T = TypeVar("T")
+Three = Annotated[list[T], Field(min_length=3, max_length=3), BeforeValidator(_three), WithJsonSchema(ONE_OR_THREE)]
+"""Three numbers, or one for all three."""
+Metres = Three[Annotated[float, Field(ge=0.0, le=100.0)]]
+Mps = Three[Annotated[float, Field(ge=0.0, le=50.0)]]
+Mps2 = Three[Annotated[float, Field(ge=0.0, le=100.0)]]
+Degrees = Three[Annotated[float, Field(ge=0.0, le=90.0)]]
+Dps = Three[Annotated[float, Field(ge=0.0, le=1000.0)]]
+Lengths = Three[Annotated[float, Field(ge=0.0, le=1e4)]]
 
 
 def _zero() -> list[float]:
