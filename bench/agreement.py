@@ -15,32 +15,28 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from companion.config.mission.mission import load_mission
+import companion
 from companion.config.syntax.file_lookup import names
-from companion.config.vehicle import load_vehicle
-from companion.feasibility.report import check
-from companion.feasibility.words import headline
-from companion.law.gains import law_level
-from companion.vehicle import OutputLevel
 from trials.agreement import LAP_MAX, Extremes, asked, flown, random_mission, scaled
+
+VEHICLE = "x500"
 
 
 def main() -> None:
     """Print the table."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 50
-    level = OutputLevel(sys.argv[2]) if len(sys.argv) > 2 else OutputLevel.MOTORS
-    vehicle = load_vehicle("x500")
+    output = sys.argv[2] if len(sys.argv) > 2 else "motors"
     print("mission  share  thrust N predicted/flown      tilt deg     motors predicted/flown    off by  cm, %, deg")
     worst, seed, done = [0.0] * len(Extremes._fields), 0, 0
     refused = 0
     while done < count:
         seed += 1
         share = 0.55 + 0.4 * ((seed * 0.381966) % 1.0)
-        mission, report = scaled(random_mission(seed), share, vehicle, level)
-        if report.duration > LAP_MAX:
+        mission, check = scaled(random_mission(seed), share, VEHICLE, output)
+        if check.report.duration > LAP_MAX:
             continue
         done += 1
-        said, did = asked(report), flown(report, level)
+        said, did = asked(check), flown(mission, VEHICLE, output, check.report.duration)
         off = [abs(b - a) / abs(a) for a, b in zip(said, did.extremes, strict=True)]
         worst = [max(a, b) for a, b in zip(worst, off, strict=True)]
         a, b = said, did.extremes
@@ -51,17 +47,17 @@ def main() -> None:
             f"  {100 * did.path_error:.2f} {100 * did.speed_error:.2f} {math.degrees(did.yaw_error):.2f}",
             flush=True,
         )
-        _, faster = scaled(random_mission(seed), 1.05 + 0.5 * (seed % 7) / 7.0, vehicle, level)
-        place = f"{faster.tightest.at_s:.1f} m along the path"
-        refused += not faster.feasible and place in headline(faster)
+        _, faster = scaled(random_mission(seed), 1.05 + 0.5 * (seed % 7) / 7.0, VEHICLE, output)
+        place = f"{faster.report.tightest.at_s:.1f} m along the path"
+        refused += not faster.feasible and place in faster.headline
     print("worst: " + ", ".join(f"{n} {100 * w:.2f} %" for n, w in zip(Extremes._fields, worst, strict=True)))
     print(f"of {count} too fast, refused with the place: {refused}")
     for name in names("missions"):
         if name.startswith("paper"):  # of another vehicle, without limits
             continue
-        mission = load_mission(name, law_level(level))
-        if mission.closed:
-            did = flown(check(mission, vehicle), level)
+        mission = companion.load_mission(name)
+        if mission.value.closed:
+            did = flown(mission, VEHICLE, output, companion.check(mission, VEHICLE, output=output).report.duration)
             print(
                 f"{name:12} path {100 * did.path_error:.2f} cm, speed {100 * did.speed_error:.2f} %, "
                 f"yaw {math.degrees(did.yaw_error):.2f} deg",

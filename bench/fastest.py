@@ -17,21 +17,18 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import numpy as np
+import yaml
 from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix, diags_array, vstack
 
-from companion.config.mission.mission import mission_from
-from companion.config.syntax.document import parse
-from companion.config.vehicle import load_vehicle
+import companion
 from companion.feasibility.demand import Demand
 from companion.feasibility.fastest import KNOT_TIME, Fastest, speeds
 from companion.feasibility.limits import quantities
-from companion.feasibility.report import check
-from companion.law.gains import Level
 from companion.mission import Mission
 from companion.profiles import AutoSpeed
-from companion.vehicle import OutputLevel, Vehicle
+from companion.vehicle import Vehicle
 from trials.agreement import Flown, flown
 
 Array = NDArray[np.float64]
@@ -48,16 +45,15 @@ PATHS = {
 
 def main() -> None:
     """Print the table."""
-    vehicle = load_vehicle("x500")
+    vehicle = companion.load_vehicle("x500").value
     print("path            auto s   found in   optimum s   slower by   largest share of the margin used in flight")
     for name, path in PATHS.items():
-        text = f"mission: m\nframe: enu\norigin: local\npath: {path}\nspeed: auto\nyaw: 20\n"
-        mission = mission_from(parse(text, name), Level.MOTORS)
+        mission = companion.new_mission(name, yaml.safe_load(path), "auto", 20, frame="enu", origin="local")
         begun = time.perf_counter()
-        report = check(mission, vehicle)
+        report = companion.check(mission, "x500", output="motors").report
         took = time.perf_counter() - begun
-        best = optimum(mission, vehicle)
-        did = flown(report, OutputLevel.MOTORS, settle=14.0)
+        best = optimum(mission.value, vehicle)
+        did = flown(mission, "x500", "motors", report.duration, settle=14.0)
         used = share_used(did, vehicle) / 0.9
         slower = 100.0 * (report.duration / best - 1.0)
         print(

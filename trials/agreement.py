@@ -1,34 +1,23 @@
-"""Random missions, and what flying them asked for: for holding `check` to what happens."""
+"""Random missions, and what flying them asked for: for holding `check` to what happens. By the Python API alone."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import random
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import yaml
 
-from companion.config.mission.mission import mission_from
-from companion.config.syntax.document import parse
-from companion.feasibility.report import Report, check
+import companion
 from companion.frames import Vec3
-from companion.law.gains import law_level
-from companion.library.orders import Sortie
-from companion.library.outcome import Ended, reason_of
-from companion.library.simulation import SimulatedFlight, in_memory
-from companion.mission import Mission
-from companion.record.circumstances import SimulatedWorld
-from companion.record.folder import Source
-from companion.record.series import followed_series, true_series
-from companion.vehicle import MotorInterface, OutputLevel, Vehicle
-from companion.world import World
+from companion.library.calls import Check
+from companion.library.files import MissionFile
+from companion.library.flights import Flight
 
 SETTLE = 12.0
 """s of following until the start is forgotten."""
 LAP_MAX = 25.0
-UNWRITTEN = Source("", "")
-"""In the place of a file, where a mission and a vehicle are values."""
 
 
 class Extremes(NamedTuple):
@@ -54,12 +43,25 @@ class Flown(NamedTuple):
     time: float
 
 
-def random_mission(seed: int) -> str:
-    """A closed mission of any kind for an x500, its speed and yaw of any kind; ``SPEED`` stands for its factor."""
+class RandomMission(NamedTuple):
+    """A closed mission but for its speed, in whose formula ``SPEED`` stands for a factor."""
+
+    path: dict[str, Any]
+    speed: str
+    yaw: Any
+
+    def at(self, speed: float) -> MissionFile:
+        """The mission with that factor, m/s."""
+        along = self.speed.replace("SPEED", repr(speed))
+        return companion.new_mission("random", self.path, along, self.yaw, frame="enu", origin="local")
+
+
+def random_mission(seed: int) -> RandomMission:
+    """A closed mission of any kind for an x500, its speed and yaw of any kind."""
     rng = random.Random(seed)
     height = rng.uniform(12.0, 20.0)
-    path = (_round, _lissajous, _through_points, _trefoil)[seed % 4](rng, height)
-    length = _read(path, "1", "0").table.length
+    path = _mapping((_round, _lissajous, _through_points, _trefoil)[seed % 4](rng, height))
+    length = companion.new_mission("random", path, 1, frame="enu").length
     k = rng.randint(1, 2)
     speed = rng.choice(
         [
@@ -73,15 +75,12 @@ def random_mission(seed: int) -> str:
     far = f"{{look_at: [{rng.uniform(40, 60):.1f}, {rng.uniform(-60, -40):.1f}, 0]}}"
     near = look_at if seed % 4 != 1 else far  # a Lissajous curve leads through its middle
     yaw = rng.choice([f"{rng.uniform(-170, 170):.1f}", "tangent", near, far, f"40*sin(2*pi*s/{length!r})"])
-    return _text(path, speed, yaw)
+    return RandomMission(path, speed, yaml.safe_load(yaw))
 
 
-def _text(path: str, speed: str, yaw: str) -> str:
-    return f"mission: random\nframe: enu\norigin: local\npath: {{{path}}}\nspeed: {speed}\nyaw: {yaw}\n"
-
-
-def _read(path: str, speed: str, yaw: str) -> Mission:
-    return mission_from(parse(_text(path, speed, yaw), "random.yaml"), None)
+def _mapping(path: str) -> dict[str, Any]:
+    read: dict[str, Any] = yaml.safe_load(f"{{{path}}}")
+    return read
 
 
 def _round(rng: random.Random, height: float) -> str:
@@ -115,20 +114,16 @@ def _trefoil(rng: random.Random, height: float) -> str:
     return f"kind: expression, x: {x}, y: {y}, z: {z}, u: [0, {math.tau!r}], closed: true"
 
 
-def scaled(text: str, share: float, vehicle: Vehicle, level: OutputLevel) -> tuple[Mission, Report]:
+def scaled(mission: RandomMission, share: float, vehicle: str, output: str) -> tuple[MissionFile, Check]:
     """The mission at ``share`` of the fastest speed that the vehicle can fly it at, and what is asked there."""
-
-    def at(speed: float) -> Mission:
-        return mission_from(parse(text.replace("SPEED", repr(speed)), "random.yaml"), law_level(level))
-
-    fastest = check(at(1.0), vehicle).speed_scale_max
-    mission = at(share * fastest)
-    return mission, check(mission, vehicle)
+    fastest = companion.check(mission.at(1.0), vehicle, output=output).speed_scale_max
+    file = mission.at(share * fastest)
+    return file, companion.check(file, vehicle, output=output)
 
 
-def asked(report: Report) -> Extremes:
+def asked(check: Check) -> Extremes:
     """What ``check`` says a lap asks for."""
-    a = report.asked
+    a = check.report.asked
     return Extremes(
         float(a.thrust.min()),
         float(a.thrust.max()),
@@ -138,26 +133,22 @@ def asked(report: Report) -> Extremes:
     )
 
 
-def flown(report: Report, level: OutputLevel, settle: float = SETTLE, laps: float = 1.0) -> Flown:
-    """A lap on the ideal plant in lockstep, after ``settle`` s of following."""
-    vehicle = report.vehicle
-    if level is OutputLevel.MOTORS:
-        vehicle = dataclasses.replace(vehicle, motors=MotorInterface.DIRECT)
-    sortie = Sortie(dataclasses.replace(report.mission, laps=None), vehicle, level, UNWRITTEN, UNWRITTEN)
-    duration = settle + laps * report.duration
-    ideal = SimulatedWorld(World(), "ideal", "", 0)
-    went, ticks, truth = in_memory(SimulatedFlight(sortie, ideal, False, duration, lean=True))
-    assert went.failure is None, went.failure.trace
-    plan = went.conductor.plan
-    assert plan is not None, went.conductor.refusal
-    told = followed_series(ticks.table)
-    assert told["t"].max(initial=0.0) > settle, "it was not followed: " + reason_of(
-        went.conductor, Ended(went.now, False)
-    )
-    true = true_series(plan, told, truth)
+def flown(mission: MissionFile, vehicle: str, output: str, lap: float, settle: float = SETTLE) -> Flown:
+    """``lap`` s on the ideal plant, after ``settle`` s of following."""
+    endless = mission.changed({"laps": None})
+    flight = companion.simulate(endless, vehicle, output=output, duration=settle + lap, settle=settle)
+    assert flight.completed, flight.summary["reason"]
+    return _settled(flight, [rotor.thrust_max for rotor in companion.load_vehicle(vehicle).value.rotors], settle)
+
+
+def _settled(flight: Flight, thrust_max: list[float], settle: float) -> Flown:
+    truth, true = flight.truth, flight.followed_truth
+    assert truth is not None
+    assert true is not None
     late = {name: values[true["since"] >= settle] for name, values in true.items()}
-    then = truth[(truth["t_boot"] >= told["t_boot"][0] + settle) & (truth["t_boot"] <= told["t_boot"][-1])]
-    shares = then["rotor_thrusts"] / [rotor.thrust_max for rotor in vehicle.rotors]
+    t_boot = flight.followed["t_boot"]
+    then = truth[(truth["t_boot"] >= t_boot[0] + settle) & (truth["t_boot"] <= t_boot[-1])]
+    shares = then["rotor_thrusts"] / thrust_max
     thrust, (_, x, y, _) = then["rotor_thrusts"].sum(axis=1), then["q_nb"].T
     p, q, r = (float(rate) for rate in np.abs(then["w_b"]).max(axis=0))
     return Flown(

@@ -83,6 +83,12 @@ class Flight:
         """The part that follows the path, one array a quantity: ``t`` (s of following), path_error, speed_error, ..."""
         return self._evidence.estimated
 
+    @property
+    def followed_truth(self) -> dict[str, NDArray[np.float64]] | None:
+        """The same by the plant's true state, where the vehicle may believe something else; None where a vehicle flew.
+        ``since``: s of following."""
+        return self._evidence.true
+
     @cached_property
     def xi(self) -> Signals:
         """h1, h1', ... over time. CompanionError: the path is a curve, which has no h1 and h2."""

@@ -10,31 +10,25 @@ import math
 import numpy as np
 import pytest
 
-from companion.config.mission.mission import load_mission
+import companion
 from companion.config.syntax.file_lookup import names
-from companion.config.vehicle import load_vehicle
-from companion.feasibility.report import Report, check
-from companion.feasibility.words import headline
-from companion.law.gains import Level
-from companion.vehicle import OutputLevel
+from companion.library.calls import Check
 from trials.agreement import asked, flown, random_mission, scaled
 
-X500 = load_vehicle("x500")
 
-
-def settled_after(report: Report, at_least: float = 8.0) -> float:
+def settled_after(check: Check, at_least: float = 8.0) -> float:
     """s of following until the start is forgotten: the speed has risen, the errors are gone."""
-    return max(at_least, 1.5 + 1.25 * float(np.abs(report.at.alpha[0]).max()))
+    return max(at_least, 1.5 + 1.25 * float(np.abs(check.report.at.alpha[0]).max()))
 
 
 @pytest.mark.parametrize("seed", [2, 12, 28, 34, 44])
 def test_check_agrees_with_flight(seed: int) -> None:
     """Thrust, tilt and motors within 3 % of what was predicted; the errors those of the ideal plant."""
     share = 0.55 + 0.4 * ((seed * 0.381966) % 1.0)
-    _, report = scaled(random_mission(seed), share, X500, OutputLevel.MOTORS)
-    did = flown(report, OutputLevel.MOTORS, settled_after(report))
-    assert report.feasible
-    for name, said, happened in zip(did.extremes._fields, asked(report), did.extremes, strict=True):
+    mission, check = scaled(random_mission(seed), share, "x500", "motors")
+    did = flown(mission, "x500", "motors", check.report.duration, settled_after(check))
+    assert check.feasible
+    for name, said, happened in zip(did.extremes._fields, asked(check), did.extremes, strict=True):
         assert happened == pytest.approx(said, rel=0.03), name
     assert did.path_error < 0.01
     assert did.speed_error < 0.02
@@ -43,20 +37,22 @@ def test_check_agrees_with_flight(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(20, 25))
 def test_a_mission_that_is_too_fast_is_refused_with_the_place(seed: int) -> None:
-    _, report = scaled(random_mission(seed), 1.02 + 0.05 * (seed % 10), X500, OutputLevel.MOTORS)
-    assert not report.feasible
-    assert f"{report.tightest.at_s:.1f} m along the path" in headline(report)
+    _, check = scaled(random_mission(seed), 1.02 + 0.05 * (seed % 10), "x500", "motors")
+    assert not check.feasible
+    assert f"{check.report.tightest.at_s:.1f} m along the path" in check.headline
 
 
-CLOSED = [n for n in names("missions") if not n.startswith("paper") and load_mission(n, Level.MOTORS).closed]
+CLOSED = [n for n in names("missions") if not n.startswith("paper") and companion.load_mission(n).value.closed]
 """The end of an open path is a matter of the flight's phases: tests/flights/test_shipped.py flies one."""
 
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_a_shipped_mission_settles(name: str) -> None:
     """Path error below 1 cm, speed error below 2 % of alpha, yaw error below 1 degree, at motors on the ideal plant."""
-    report = check(load_mission(name, Level.MOTORS), X500)
-    did = flown(report, OutputLevel.MOTORS, settled_after(report, 5.0), laps=min(1.0, 4.0 / report.duration))
+    mission = companion.load_mission(name)
+    check = companion.check(mission, "x500", output="motors")
+    lap = check.report.duration
+    did = flown(mission, "x500", "motors", min(lap, 4.0), settled_after(check, 5.0))
     assert did.path_error < 0.01
     assert did.speed_error < 0.02
     assert did.yaw_error < math.radians(1.0)

@@ -172,6 +172,8 @@ def test_a_flight_as_arrays_with_units(flight: companion.Flight, tmp_path: Path)
     assert flight.xi.names == xi_names(Level.RATES) and flight.xi.values.shape == (len(flight.xi.t), 9)
     across = np.hypot(flight.xi["h1"], flight.xi["h2"])
     assert across == pytest.approx(flight.followed["path_error"], abs=1e-6)
+    assert flight.followed_truth is not None
+    assert flight.followed_truth["path_error"].max() == flight.summary["truth"]["follow"]["path_error_m"]["max"]
     assert flight.u.names == ("zeta_dot", "p", "q", "r") and np.all(np.isfinite(flight.u["p"]))
     assert "completed, path error" in repr(flight)
     pytest.importorskip("pandas")
