@@ -19,7 +19,7 @@ from companion.mavlink.signing import SETUP_SIGNING
 from companion.mavlink_common import MavResult
 from companion.vehicle import MotorInterface, Vehicle
 from companion.world import Start, World
-from companion.world.events import Operator, Stranger
+from companion.world.events import Operator, PayloadDrop, Stranger
 from sim_bridge.autopilot.autopilot import Autopilot
 from sim_bridge.autopilot.flight_modes.manual_control import ManualControlSetpoint
 from sim_bridge.autopilot.mavlink.link import Link
@@ -43,6 +43,8 @@ FAST_STATE = 250.0
 """Hz. A vehicle that is asked for its state more often than this steps at 1 ms instead of PX4's 4 ms."""
 STICKS_US = 20_000
 """us between two samples of a pilot's sticks: a joystick's 50 Hz."""
+PAYLOAD_MAX = 0.75
+"""Ratio to the mass of what may fall off in a flight. Engineering choice: what is left is a vehicle."""
 HOVER = Start.hover((0.0, 0.0, -10.0))
 """10 m above the origin."""
 
@@ -87,14 +89,7 @@ class Bridge:
         said = normals(seed, RandomStream.SAID)
         reach = Reach(self.plant, self._sensors, self._down, self._up, self._ask, self._dial, said)
         self.world_events = WorldEvents(world.events, reach)
-        weight, lift = self.plant.vehicle.weight, self.plant.vehicle.thrust_max
-        if self.plant.cells is not None:
-            lift *= self.plant.cells.strength
-        if weight >= lift:
-            message = (
-                f"{vehicle.name} in world {world.name} weighs {weight:.4g} N and its rotors lift {lift:.4g} N at most"
-            )
-            raise ValueError(f"{message}; expected it to be able to fly")
+        _assert_flyable(vehicle.name, self.plant)
         self.autopilot = Autopilot(
             self.plant.vehicle, world.home, self.step_s, self._sensors.observe(self.plant.truth), self.plant.truth,
             direct=self.direct, pack=world.battery, rate_gains=world.truth.rate_gains,
@@ -282,3 +277,17 @@ class Bridge:
             self._leaving.append((endpoint, datagram))
         else:
             self._down.send(self._count * self._step_us, endpoint, datagram)
+
+
+def _assert_flyable(name: str, plant: Plant) -> None:
+    """ValueError: the rotors of the vehicle ``name`` do not lift it, or more falls off than it can spare."""
+    weight, lift, world = plant.vehicle.weight, plant.vehicle.thrust_max, plant.world
+    if plant.cells is not None:
+        lift *= plant.cells.strength
+    if weight >= lift:
+        message = f"{name} in world {world.name} weighs {weight:.4g} N and its rotors lift {lift:.4g} N at most"
+        raise ValueError(f"{message}; expected it to be able to fly")
+    mass, dropped = plant.vehicle.mass, sum(event.mass for event in world.events if isinstance(event, PayloadDrop))
+    if dropped > PAYLOAD_MAX * mass:
+        message = f"{name} in world {world.name} has {mass:.4g} kg and drops {dropped:.4g} kg"
+        raise ValueError(f"{message}; expected {PAYLOAD_MAX * mass:.3g} kg at most")

@@ -14,11 +14,12 @@ from companion.world.events import (
     Jump,
     LastingEvent,
     Operator,
+    PayloadDrop,
     PortChange,
     When,
 )
 
-HAPPEN_ONCE = (EstimatorReset, ClockJump, Operator, PortChange)
+HAPPEN_ONCE = (PayloadDrop, EstimatorReset, ClockJump, Operator, PortChange)
 ROUNDING = 1e-9
 """s that two sums of steps may differ by."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 from companion.frames import Quaternion, Vec3
@@ -66,6 +67,7 @@ class Plant:
             else spinning(self.step_s, self.vehicle.rotors, rotors)
         )
         self._reactions = tuple(rotor.spin.reaction * rotor.torque_per_thrust for rotor in self.vehicle.rotors)
+        self._deviations = world.truth  # a payload that falls off changes them
         self._advance = runge_kutta(derivative_of(body_of(self.vehicle, world.truth)), self.step_s)
         self._gusts = (
             None
@@ -102,6 +104,15 @@ class Plant:
         self._on_ground = False
         self._has_ground = p_n[2] < 0.0
         self._truth = None
+
+    def drop(self, mass: float) -> None:
+        """What hung below the centre of mass falls off: so much lighter (kg), with the same drag and inertia."""
+        truth, more = self._deviations, self.vehicle.mass / (self.vehicle.mass - mass)
+        self.vehicle = replace(self.vehicle, mass=self.vehicle.mass - mass, drag=self.vehicle.drag * more)
+        self._deviations = replace(
+            truth, rotor_drag=truth.rotor_drag * more, quadratic_drag=truth.quadratic_drag * more
+        )
+        self._advance = runge_kutta(derivative_of(body_of(self.vehicle, self._deviations)), self.step_s)
 
     def thrusts_of(self, commands: Four) -> Four:
         """The thrusts (N) that motor commands lead to in the end."""

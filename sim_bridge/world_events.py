@@ -17,6 +17,7 @@ from companion.world.events import (
     LinkRecut,
     MotorFailure,
     Operator,
+    PayloadDrop,
     PortChange,
     Push,
     StateFault,
@@ -84,7 +85,9 @@ class WorldEvents:
         if offboard_flown and self._marks.offboard is None:
             self._marks = self._marks._replace(offboard=t)
         for event in self._schedule.take_due(t, self._marks):
-            if isinstance(event, EstimatorReset):
+            if isinstance(event, PayloadDrop):
+                self._reach.plant.drop(event.mass)
+            elif isinstance(event, EstimatorReset):
                 self._reach.sensors.reset(event)
             elif isinstance(event, ClockJump):
                 self._reach.sensors.jump(event.by)

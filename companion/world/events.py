@@ -29,8 +29,8 @@ from companion.world.when import After, When
 __all__ = [
     "After", "ClockJump", "EstimatorReset", "Event", "FrozenState", "Hold", "Impostor", "Jump", "LastingEvent",
     "LinkCut", "LinkDelay", "LinkDuplicate", "LinkEvent", "LinkRecut", "LinkRepeat", "LinkThin", "MotorFailure",
-    "NotANumber", "OdometryFrames", "OffsetState", "Operator", "Order", "Part", "PortChange", "Push",
-    "Saying", "Silence", "Stamps", "StateFault", "Sticks", "Stranger", "When", "Wind", "WrongStamps",
+    "NotANumber", "OdometryFrames", "OffsetState", "Operator", "Order", "Part", "PayloadDrop", "PortChange",
+    "Push", "Saying", "Silence", "Stamps", "StateFault", "Sticks", "Stranger", "When", "Wind", "WrongStamps",
 ]  # fmt: skip
 
 
@@ -64,6 +64,15 @@ class MotorFailure:
     when: When
     motor: int | None
     left: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class PayloadDrop:
+    """What hung below the centre of mass falls off: the vehicle is lighter by ``mass`` kg, its moments of inertia and
+    the force of its drag stay."""
+
+    when: When
+    mass: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,6 +179,6 @@ StateFault = NotANumber | Silence | FrozenState | OffsetState | WrongStamps | Od
 """What the vehicle says wrongly, or not at all, of itself and its state."""
 LastingEvent = Push | Hold | Wind | MotorFailure | StateFault | LinkEvent | Sticks | Stranger
 """What lasts."""
-Jump = EstimatorReset | ClockJump | Operator | PortChange
+Jump = PayloadDrop | EstimatorReset | ClockJump | Operator | PortChange
 """What happens once."""
 Event = LastingEvent | Jump

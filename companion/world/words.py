@@ -23,6 +23,7 @@ from companion.world.events import (
     MotorFailure,
     NotANumber,
     Operator,
+    PayloadDrop,
     Push,
     Silence,
     Stranger,
@@ -65,6 +66,8 @@ def event_in_words(event: Event) -> str:
             return _wind(wind)
         case MotorFailure(motor=motor, left=left):
             return f"{'every motor' if motor is None else f'motor {motor}'} gives {100.0 * left:.0f} % of its thrust"
+        case PayloadDrop(mass=mass):
+            return f"a payload of {mass:.2g} kg falls off"
         case EstimatorReset():
             return "the vehicle's estimate jumps"
         case ClockJump(by=by):

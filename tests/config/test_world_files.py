@@ -73,6 +73,7 @@ events:
   - {kind: stranger, from_s: 34, system: 2, component: 191, type: onboard_controller, autopilot: none, says: [heartbeat, state],
      mode: land, armed: false, position_m: [50, 0, -1], port: vehicle}
   - {kind: port_change, at_s: 35}
+  - {kind: payload_drop, at_s: 36, mass_kg: 0.5}
 """
 
 
@@ -148,6 +149,7 @@ def test_every_key_arrives() -> None:
                 own_port=False,
             ),
             events.PortChange(When(35.0, 35.0)),
+            events.PayloadDrop(When(36.0, 36.0), 0.5),
         ),
     )
 
@@ -184,6 +186,11 @@ def test_all_faults_at_once_each_with_its_line() -> None:
             "after: offboard}\n  - {kind: hold",
             "after: lunch}\n  - {kind: hold",
             "25: events[0].after: 'lunch' is not kn",
+        ),
+        (
+            "mass_kg: 0.5",
+            "mass_kg: 0",
+            "53: events[27].mass_kg: 0 is too small; expected more than 0: how much lighter",
         ),
         ("way: up", "way: left", "33: events[8].way: 'left' is not known; expected 'both', 'down' or 'up'"),
         (
@@ -243,3 +250,4 @@ def test_every_event_has_a_kind_as_files_spell_it_and_words() -> None:
     assert "the operator asks for disarm" in words
     assert "link cut both ways, CURRENT_MODE, HEARTBEAT" in words
     assert "every motor gives 90 % of its thrust" in words
+    assert "a payload of 0.5 kg falls off" in words

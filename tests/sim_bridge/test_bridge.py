@@ -13,6 +13,7 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import FORMATS, message
 from companion.mavlink.modes import Mode
 from companion.world import Deviations, Start, World
+from companion.world.events import PayloadDrop, When
 from sim_bridge.bridge import Bridge
 from tests.support.plant_client import ACCEPTED, SET_INTERVAL, Client
 
@@ -75,6 +76,12 @@ def test_a_machine_that_is_not_what_its_file_says_hovers_too() -> None:
 def test_a_world_too_heavy_to_fly_in_is_refused() -> None:
     with pytest.raises(ValueError, match=r"x500 in world ideal weighs 39.23 N and its rotors lift 34.19 N at most"):
         Client("x500", World(truth=Deviations(mass=4.0)))
+
+
+def test_a_payload_that_is_most_of_the_vehicle_is_refused() -> None:
+    drops = tuple(PayloadDrop(When(t, t), 0.8) for t in (1.0, 2.0))
+    with pytest.raises(ValueError, match=r"x500 in world ideal has 2 kg and drops 1.6 kg; expected 1.5 kg at most"):
+        Client("x500", World(events=drops))
 
 
 def test_time_is_a_count_of_steps() -> None:

@@ -20,6 +20,7 @@ from companion.world.events import (
     MotorFailure,
     NotANumber,
     Part,
+    PayloadDrop,
     Push,
     Silence,
     When,
@@ -52,6 +53,21 @@ def test_a_push_gives_its_impulse() -> None:
     assert client.bridge.plant.push_n == STILL
     client.run(8.0)
     assert client.bridge.truth.p_n == pytest.approx((0.0, 0.0, -10.0), abs=0.2)
+
+
+def test_a_payload_that_falls_off_makes_it_lighter_and_easier_to_blow_away() -> None:
+    client = hovering(PayloadDrop(When(1.0, 1.0), 0.4), truth=Deviations(drag=0.5, quadratic_drag=0.1))
+    client.run(0.9)
+    assert client.bridge.plant.vehicle.mass == 2.0
+    thrust, before = client.bridge.truth.thrust, client.bridge.truth.v_n[2]
+    client.run(0.11)
+    plant = client.bridge.plant
+    assert (plant.vehicle.mass, plant.vehicle.drag) == pytest.approx((1.6, 0.625))
+    climbs = client.bridge.truth.a_n[2]
+    assert climbs == pytest.approx(9.80665 - thrust / 1.6, rel=0.02)
+    assert before == pytest.approx(0.0, abs=1e-6)
+    client.run(8.0)
+    assert client.bridge.truth.thrust == pytest.approx(1.6 * 9.80665, rel=1e-3)
 
 
 def test_a_hold_keeps_the_pose_and_then_lets_go() -> None:

@@ -75,6 +75,18 @@ class MotorFailureModel(While):
         return events.MotorFailure(self.when, self.motor, self.thrust_left)
 
 
+class PayloadDropModel(Once):
+    """A payload falls off: the mass is less from then on."""
+
+    kind: Literal["payload_drop"]
+    """the kind of event"""
+    mass_kg: Annotated[float, Field(gt=0.0, le=100.0)]
+    """how much lighter the vehicle is then, three quarters of its mass at most, in kg"""
+
+    def event(self) -> Event:
+        return events.PayloadDrop(self.when, self.mass_kg)
+
+
 class EstimatorResetModel(Once):
     """The estimate jumps."""
 
@@ -205,8 +217,8 @@ class ImpostorModel(While):
 
 
 EventModel = Annotated[
-    PushModel | HoldModel | WindModel | MotorFailureModel | EstimatorResetModel | ClockJumpModel | NanStateModel
-    | SilenceModel | FrozenStateModel | OffsetStateModel | WrongStampsModel | OdometryFramesModel | ImpostorModel
-    | LinkEventModel | ActorModel,
+    PushModel | HoldModel | WindModel | MotorFailureModel | PayloadDropModel | EstimatorResetModel | ClockJumpModel
+    | NanStateModel | SilenceModel | FrozenStateModel | OffsetStateModel | WrongStampsModel | OdometryFramesModel
+    | ImpostorModel | LinkEventModel | ActorModel,
     Field(discriminator="kind"),
 ]  # fmt: skip
