@@ -23,11 +23,16 @@ NIS_BOUNDS = (1.237, 14.449)
 """95 % of chi squared with six degrees of freedom: position and velocity of three axes."""
 
 
-def predict(x: Array, P: Array, dt: float, F: Vec3, gravity: float, noise: NoiseLevels) -> tuple[Array, Array]:
-    """Mean and covariance ``dt`` s later. ``F``: the commanded thrust over mass, lagged by the motors, m/s^2."""
+def predict(
+    x: Array, P: Array, dt: float, F: Vec3, gravity: float, noise: NoiseLevels, learning: bool = True
+) -> tuple[Array, Array]:
+    """Mean and covariance ``dt`` s later. ``F``: the commanded thrust over mass, lagged by the motors, m/s^2;
+    ``learning``: False freezes k and c."""
     k, c = x[THRUST_SCALE], x[DRAG]
     A, new, Q = np.eye(SIZE), x.copy(), np.zeros(SIZE)
-    Q[THRUST_SCALE:] = model.THRUST_SCALE_Q, model.DRAG_Q
+    if learning:
+        Q[THRUST_SCALE:] = model.THRUST_SCALE_Q, model.DRAG_Q
+    position_q = model.POSITION_Q + model.POSITION_Q_GAIN * (noise.position - model.POSITION_R_MIN)
     for axis in range(AXES):
         p, v, u, b, d, w, e = range(PER_AXIS * axis, PER_AXIS * (axis + 1))
         across = (-F[1], F[0], 0.0)[axis]
@@ -46,17 +51,23 @@ def predict(x: Array, P: Array, dt: float, F: Vec3, gravity: float, noise: Noise
             new[i] = x[i] * A[i, i]
         A[d, d] = 1.0 / (1.0 + dt / model.DISTURBANCE_TIME[axis])
         new[d], Q[d] = x[d] * A[d, d], noise.disturbance_q[axis]
-        Q[p], Q[v] = model.POSITION_Q, model.VELOCITY_Q
+        Q[p], Q[v] = position_q, model.VELOCITY_Q
     return new, A @ P @ A.T + np.diag(Q * dt)
 
 
-def normalised_innovation(x: Array, P: Array, p_n: Vec3, v_n: Vec3, noise: NoiseLevels) -> float:
-    """The square of what is measured minus what is predicted (position m, velocity m/s), over its covariance."""
+def measurement(noise: NoiseLevels) -> tuple[Array, Array]:
+    """What is measured of the state (position m, velocity m/s), and the covariance of its noise."""
     H = np.zeros((2 * AXES, SIZE))
     for axis in range(AXES):
         H[axis, PER_AXIS * axis + model.POSITION] = 1.0
         H[AXES + axis, [PER_AXIS * axis + model.VELOCITY, PER_AXIS * axis + model.VELOCITY_ERROR]] = 1.0
-    S = H @ P @ H.T + np.diag([noise.position] * AXES + [noise.velocity] * AXES)
+    return H, np.diag([noise.position] * AXES + [noise.velocity] * AXES)
+
+
+def normalised_innovation(x: Array, P: Array, p_n: Vec3, v_n: Vec3, noise: NoiseLevels) -> float:
+    """The square of what is measured minus what is predicted (position m, velocity m/s), over its covariance."""
+    H, R = measurement(noise)
+    S = H @ P @ H.T + R
     off = np.array([*p_n, *v_n]) - H @ x
     return float(off @ np.linalg.solve(S, off))
 

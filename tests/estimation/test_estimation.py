@@ -8,7 +8,6 @@ import random
 import numpy as np
 import pytest
 
-from companion.estimation import kalman_step
 from companion.estimation.body_model import Body, TimedWrench
 from companion.estimation.estimator import (
     EstimatorState,
@@ -37,6 +36,8 @@ from companion.estimation.rate_loop_model import (
 )
 from companion.frames import Vec3, from_rotation_vector, multiply, quaternion_from_euler, rotation_matrix
 from companion.vehicle import VehicleState
+from trials.prediction import measurement
+from trials.prediction import predict as predict_in_matrices
 
 G = 9.80665
 STILL: Vec3 = (0.0, 0.0, 0.0)
@@ -145,42 +146,8 @@ LEVELS = NoiseLevels(
 def usual_kalman(belief: Belief, dt: float, F: Vec3, z: np.ndarray, noise: NoiseLevels, learn: bool):  # type: ignore[no-untyped-def]
     """The textbook's filter in matrices, in Joseph's form: all six measurements at once; while kappa and c are frozen
     one by one, each for its own axis alone."""
-    x, P = np.array(belief.x), dense(belief)
-    scale, c = x[THRUST_SCALE], x[DRAG]
-    T, new, Q, H = np.eye(SIZE), x.copy(), np.zeros(SIZE), np.zeros((6, SIZE))
-    for i in range(3):
-        p, v, u, b, d, w, e = range(PER_AXIS * i, PER_AXIS * (i + 1))
-        across = (-F[1], F[0], 0.0)[i]
-        f = F[i] - x[e] * across
-        a = (G if i == 2 else 0.0) - scale * f - c * x[v] + x[d] + x[w]
-        new[p] = x[p] + dt * (x[v] + x[u]) + 0.5 * dt * dt * a
-        new[v] = x[v] + dt * a
-        T[p, [v, u]] = dt
-        T[v, [v, d, w, THRUST_SCALE, DRAG]] = 1.0 - c * dt, dt, dt, -f * dt, -x[v] * dt
-        T[v, e] = scale * across * dt
-        times = (
-            kalman_step.WANDER_TIME,
-            kalman_step.VELOCITY_ERROR_TIME,
-            kalman_step.DISTURBANCE_TIME[i],
-            kalman_step.GUST_TIME,
-            kalman_step.HEADING_ERROR_TIME,
-        )
-        for k, time in zip((u, b, d, w, e), times, strict=True):
-            T[k, k] = 1.0 / (1.0 + dt / time) if time < 1e6 else 1.0
-            new[k] = x[k] * T[k, k]
-        Q[p] = kalman_step.POSITION_Q + kalman_step.POSITION_Q_GAIN * (noise.position - kalman_step.POSITION_R_MIN)
-        Q[v], Q[d] = (
-            kalman_step.VELOCITY_Q,
-            noise.disturbance_q[i],
-        )
-        levels = (noise.wander[i], noise.velocity_error[i], noise.gust[i])
-        for k, time, level in zip((u, b, w), (times[0], times[1], times[3]), levels, strict=True):
-            Q[k] = 2.0 * level / time
-        Q[e] = 2.0 * noise.heading_error / kalman_step.HEADING_ERROR_TIME
-        H[i, p] = H[3 + i, v] = H[3 + i, b] = 1.0
-    Q[THRUST_SCALE:] = kalman_step.THRUST_SCALE_Q * learn, kalman_step.DRAG_Q * learn
-    P = T @ P @ T.T + np.diag(Q) * dt
-    R = np.diag([noise.position] * 3 + [noise.velocity] * 3)
+    new, P = predict_in_matrices(np.array(belief.x), dense(belief), dt, F, G, noise, learn)
+    H, R = measurement(noise)
     axes_apart(P)
     if learn:
         K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
