@@ -8,6 +8,7 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Callable, Iterator
+from itertools import chain
 
 import numpy as np
 
@@ -30,12 +31,17 @@ class RandomStream(enum.IntEnum):
 def normals(seed: int, cause: RandomStream) -> Draw:
     """A source of normal numbers, the same for the same seed."""
 
-    def draws() -> Iterator[float]:
+    def drawn() -> Iterator[list[float]]:
         generator = np.random.default_rng((abs(seed), seed < 0, cause))
         while True:
-            yield from generator.standard_normal(DRAWN_AT_ONCE).tolist()
+            yield generator.standard_normal(DRAWN_AT_ONCE).tolist()
 
-    return draws().__next__
+    return chain.from_iterable(drawn()).__next__
+
+
+def first_order(a: float) -> tuple[float, float]:
+    """Over ``a`` time constants: what is left of the value, and how much noise of unit variance is added to it."""
+    return math.exp(-a), math.sqrt(-math.expm1(-2.0 * a))
 
 
 class FirstOrder:
@@ -50,8 +56,7 @@ class FirstOrder:
 
     def set_step(self, a: float) -> None:
         """Let a step be ``a`` time constants from now on."""
-        self._keep = math.exp(-a)
-        self._kick = math.sqrt(-math.expm1(-2.0 * a))
+        self._keep, self._kick = first_order(a)
 
     def update(self) -> float:
         """The value a step later."""

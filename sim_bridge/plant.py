@@ -77,6 +77,7 @@ class Plant:
         self.cells = None if world.battery is None else Cells(world.battery, self.vehicle.thrust_max)
         self.wind_n = world.wind_n
         self.push_n = STILL
+        self._gravity_n: Vec3 = (0.0, 0.0, self.vehicle.gravity)
         self.left: Four | None = None
         self.is_held = False
         self._has_ground = True
@@ -178,12 +179,11 @@ class Plant:
 
     def _outer_acceleration(self) -> Vec3:
         """What accelerates beside rotors and air: gravity and pushes, m/s^2."""
-        g = self.vehicle.gravity
         if self.push_n is STILL:
-            return (0.0, 0.0, g)
+            return self._gravity_n
         north, east, down = self.push_n
         mass = self.vehicle.mass
-        return (north / mass, east / mass, down / mass + g)
+        return (north / mass, east / mass, down / mass + self.vehicle.gravity)
 
     def _turn(self, wanted: Four) -> float:
         """The torque about z (N m) that the motors' torques put on the frame."""

@@ -7,13 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import reduce
 from typing import NamedTuple
 
 from companion.frames import Quaternion, Vec3, from_rotation_vector, multiply
 from companion.world.estimate import Drift, Errors, Noise
 from companion.world.events import EstimatorReset
-from sim_bridge.noise import Draw, FirstOrder, SecondOrder
+from sim_bridge.noise import Draw, SecondOrder, first_order
 from sim_bridge.plant import Truth
 
 RESETS_OF_A_BOOT = 11
@@ -112,18 +111,22 @@ def _noise(noise: Noise, step: float, draw: Draw) -> Wrong | None:
     if not noise:
         return None
     a, b, c = noise.white
-    parts: list[Wrong] = []
-    if any(noise.wander) or any(noise.start or ZERO):
-        parts.append(_wander(noise, step, draw))
-    if any(noise.white):
-        parts.append(lambda: (a * draw(), b * draw(), c * draw()))
+    wander = _wander(noise, step, draw) if any(noise.wander) or any(noise.start or ZERO) else None
+    bias: Vec3 = (0.0, 0.0, 0.0)
     if any(noise.bias):
         x, y, z = noise.bias
         bias = (x * draw(), y * draw(), z * draw())
-        parts.append(lambda: bias)
-    if len(parts) == 1:
-        return parts[0]
-    return lambda: reduce(_sum, [part() for part in parts])
+    x, y, z = bias
+    if wander is None:
+        return (lambda: (a * draw() + x, b * draw() + y, c * draw() + z)) if any(noise.white) else lambda: bias
+    if not any(noise.white):
+        return lambda: _sum(wander(), bias)
+
+    def wrong() -> Vec3:
+        i, j, k = wander()
+        return (i + a * draw() + x, j + b * draw() + y, k + c * draw() + z)
+
+    return wrong
 
 
 def _wander(noise: Noise, step: float, draw: Draw) -> Wrong:
@@ -151,9 +154,19 @@ def _drift(drift: Drift, step: float, draw: Draw) -> Wrong:
 
 
 def _rough(sigma: Vec3, step: float, time: float, draw: Draw) -> Wrong:
-    x, y, z = sigma
-    i, j, k = (FirstOrder(draw, step, time) for _ in range(3))
-    return lambda: (x * i.update(), y * j.update(), z * k.update())
+    """Three first-order processes that share their time constant (see FirstOrder)."""
+    a, b, c = sigma
+    keep, kick = first_order(step / time)
+    x, y, z = draw(), draw(), draw()
+
+    def wander() -> Vec3:
+        nonlocal x, y, z
+        x = keep * x + kick * draw()
+        y = keep * y + kick * draw()
+        z = keep * z + kick * draw()
+        return (a * x, b * y, c * z)
+
+    return wander
 
 
 def _smooth(sigma: Vec3, step: float, time: float, draw: Draw) -> Wrong:

@@ -31,6 +31,8 @@ class Phase(enum.Enum):
     REHEARSE = "rehearse"
     DONE = "done"
 
+    __hash__ = object.__hash__  # members are the only ones of their kind; Enum's own goes by the name, in Python
+
 
 class Event(enum.Enum):
     """What may happen."""

@@ -17,6 +17,8 @@ class OutputLevel(enum.Enum):
     RATES = "rates"
     ATTITUDE = "attitude"
 
+    __hash__ = object.__hash__  # members are the only ones of their kind; Enum's own goes by the name, in Python
+
     @property
     def without_rate_loop(self) -> bool:
         """Whether the vehicle's own rate loop is out of the way, so that the law itself keeps the vehicle upright."""

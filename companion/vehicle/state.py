@@ -72,6 +72,8 @@ class Mode(enum.Enum):
     ALTITUDE_CRUISE = (11, 0)
     UNKNOWN = (0, 0)
 
+    __hash__ = object.__hash__  # members are the only ones of their kind; Enum's own goes by the name, in Python
+
     @property
     def words(self) -> str:
         """Its name as a pilot reads it."""
@@ -101,6 +103,8 @@ class Landed(enum.Enum):
     IN_AIR = 2
     TAKING_OFF = 3
     LANDING = 4
+
+    __hash__ = object.__hash__
 
 
 T = TypeVar("T")

@@ -105,11 +105,10 @@ class Autopilot:
         """What offboard flies."""
         return self.offboard_flight.setpoint
 
-    @property
-    def level(self) -> Level:
-        """The level the vehicle's own loops are told at."""
-        external = self.commander.external_modes.of(self.commander.mode)
-        return self.offboard_flight.level(self.commander.mode, None if external is None else external.level)
+    def level_in(self, mode: Mode) -> Level:
+        """The level the vehicle's own loops are told at in a mode."""
+        external = self.commander.external_modes.of(mode)
+        return self.offboard_flight.level(mode, None if external is None else external.level)
 
     @property
     def commands(self) -> Four:
@@ -143,7 +142,7 @@ class Autopilot:
             return None
         if mode is not self._flown:
             self._enter(mode)
-        written = self.offboard_flight.topics.take_fresh(level := self.level)
+        written = self.offboard_flight.topics.take_fresh(level := self.level_in(mode))
         if written is not None and not isinstance(written, PAST_THE_LOOPS):
             return fly(cascade, now, written, commander.landed)
         own = self._control(now, mode, level)
@@ -234,7 +233,7 @@ class Autopilot:
         self._take_topics()
 
     def _take_topics(self) -> None:
-        wanted = self.offboard_flight.topics.wanted(self.level)
+        wanted = self.offboard_flight.topics.wanted(self.level_in(self.commander.mode))
         if wanted is not None and self.commander.armed:
             self.offboard_flight.take(wanted)
             self.offboard_flown = True

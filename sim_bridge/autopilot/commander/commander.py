@@ -79,11 +79,9 @@ class Commander:
     def mode(self) -> Mode:
         """What is flown."""
         action = self._failsafe.action
-        return (
-            MODE_FROM_ACTION.get(action, self.user_intended_mode)
-            if self.armed or action is Action.TERMINATE
-            else self.user_intended_mode
-        )
+        if action is Action.NONE or not (self.armed or action is Action.TERMINATE):
+            return self.user_intended_mode
+        return MODE_FROM_ACTION.get(action, self.user_intended_mode)
 
     @property
     def failsafe(self) -> Mode | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from companion import mavlink_common as mav
 from companion.mavlink.codec import Decoder, Encoder, Frame
@@ -126,8 +126,21 @@ class Link:
     def stream(self, now_us: int, built: dict[int, Values | None]) -> None:
         """Send what is due at ``now_us`` of the bridge's clock. ``built``: what has been put together in this step."""
         self._now_us = now_us
+        due = self._streams.due(now_us)
+        if due:
+            self._send_streams(due, built)
+        if now_us >= self._poll_at_us:
+            self._poll_at_us = now_us + POLL_US
+            self._parameters.poll(now_us)
+            self._missions.poll(now_us)
+            self._events.poll(now_us)
+            if self._boot_messages is not None:
+                self._boot_messages.poll(now_us)
+
+    def _send_streams(self, due: Sequence[int], built: dict[int, Values | None]) -> None:
+        """Send the streams that are due."""
         again, encode, alter, outbox = self._streams.again, self._encoder.encode, self.alter, self.outbox
-        for msgid in self._streams.due(now_us):
+        for msgid in due:
             if msgid in EDITIONS and not self._is_new(msgid):
                 again(msgid, False)
                 continue
@@ -146,13 +159,6 @@ class Link:
                 outbox.append(encode(fmt, values))
                 self._sent += 1
                 again(msgid, True)
-        if now_us >= self._poll_at_us:
-            self._poll_at_us = now_us + POLL_US
-            self._parameters.poll(now_us)
-            self._missions.poll(now_us)
-            self._events.poll(now_us)
-            if self._boot_messages is not None:
-                self._boot_messages.poll(now_us)
 
     def emit(self, fmt: Format, values: tuple[Value, ...]) -> None:
         """Queue a message."""

@@ -172,7 +172,7 @@ def control_mode(a: Autopilot, stamp: int) -> bytes:
     """vehicle_control_mode: which of the vehicle's loops run, and who tells them."""
     mode = a.commander.mode
     by_topics = mode is Mode.OFFBOARD or mode in EXTERNAL
-    level = a.level if by_topics else LOWEST.get(mode, Level.POSITION)
+    level = a.level_in(mode) if by_topics else LOWEST.get(mode, Level.POSITION)
     return CONTROL_MODE.encode(
         timestamp=stamp, flag_armed=a.commander.armed,
         flag_multicopter_position_control_enabled=level <= Level.ACCELERATION,
