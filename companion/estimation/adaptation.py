@@ -99,9 +99,14 @@ def settle_attitude_error(noise: NoiseLevels, dt: float) -> NoiseLevels:
     """The noise of D and E ``dt`` s later, on their way to what they stay."""
     k = dt / SETTLING_TIME
     (x, y, z), (north, east, down) = noise.disturbance_q, DISTURBANCE_Q
-    return noise._replace(
-        disturbance_q=(x + k * (north - x), y + k * (east - y), z + k * (down - z)),
-        heading_error=noise.heading_error + k * (HEADING_ERROR_VARIANCE - noise.heading_error),
+    return NoiseLevels(
+        noise.position,
+        noise.velocity,
+        noise.wander,
+        noise.velocity_error,
+        noise.gust,
+        (x + k * (north - x), y + k * (east - y), z + k * (down - z)),
+        noise.heading_error + k * (HEADING_ERROR_VARIANCE - noise.heading_error),
     )
 
 

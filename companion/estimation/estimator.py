@@ -287,7 +287,8 @@ def _limit(belief: Belief, disturbance_lpf_n: Vec3, dt: float, flight_time: floa
     scale, drag = clamped(x[THRUST_SCALE], *THRUST_SCALE_RANGE), clamped(x[DRAG], *DRAG_RANGE)
     if scale != x[THRUST_SCALE] or drag != x[DRAG]:
         x = (*x[:THRUST_SCALE], scale, drag)
-    return belief._replace(x=x), disturbance_lpf_n, disturbance_saturated
+    limited = belief if x is belief.x else belief._replace(x=x)
+    return limited, disturbance_lpf_n, disturbance_saturated
 
 
 def _thrust_scale_q(known: EstimatorState) -> float:

@@ -17,7 +17,6 @@ from companion.estimation.rate_loop_model import (
     axis_transition,
     thrust_transition,
 )
-from companion.estimation.translation import acceleration
 from companion.frames import Quaternion, Vec3, normalised
 
 
@@ -58,14 +57,16 @@ def predict(
     yy, yd, dy, dd, ay, ad = axis_transition(rate_loop.lags[0], rate_loop.motor_lag, h)
     jj, jd, ej, edj, aj, adj = axis_transition(rate_loop.lags[1], rate_loop.motor_lag, h)
     zz, zd, ez, ed, az, bz = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)
+    ay, ad, aj, adj, az, bz = 0.5 * ay, 0.5 * ad, 0.5 * aj, 0.5 * adj, 0.5 * az, 0.5 * bz  # of half the angles
     left, mean = thrust_transition(rate_loop.motor_lag, h)
     (x, y, z), (vx, vy, vz) = p_n, v_n
     qw, qx, qy, qz = q_nb
     (wp, wq, wr), (pd, qd, rd), f, trim = rate_loop_state
-    thrust_scale, drag, disturbance_n, gravity = forces
+    thrust_scale, drag, (north, east, down), gravity = forces
+    down += gravity
     last = len(commands) - 1
     i = 0
-    bx, by, bz_n = 2.0 * (qx * qz + qw * qy), 2.0 * (qy * qz - qw * qx), 1.0 - 2.0 * (qx * qx + qy * qy)
+    ex, ey, ez_n = qx * qz + qw * qy, qy * qz - qw * qx, 0.5 - (qx * qx + qy * qy)  # half the thrust axis
     t = begin + half
     for _ in range(steps):
         while i < last and commands[i + 1].at <= t:
@@ -74,11 +75,7 @@ def predict(
         sr += trim
         yp, yq, yr = wp - sp, wq - sq, wr - sr
         # half the angles turned in this step, each axis by its own loop
-        hp, hq, hr = (
-            0.5 * (sp * h + ay * yp + ad * pd),
-            0.5 * (sq * h + aj * yq + adj * qd),
-            0.5 * (sr * h + az * yr + bz * rd),
-        )
+        hp, hq, hr = sp * half + ay * yp + ad * pd, sq * half + aj * yq + adj * qd, sr * half + az * yr + bz * rd
         wp, pd = sp + yy * yp + yd * pd, dy * yp + dd * pd
         wq, qd = sq + jj * yq + jd * qd, ej * yq + edj * qd
         wr, rd = sr + zz * yr + zd * rd, ez * yr + ed * rd
@@ -91,13 +88,14 @@ def predict(
             qy * cw + qw * hq - qx * hr + qz * hp,
             qz * cw + qw * hr + qx * hq - qy * hp,
         )
-        ox, oy, oz = bx, by, bz_n
-        bx, by, bz_n = 2.0 * (qx * qz + qw * qy), 2.0 * (qy * qz - qw * qx), 1.0 - 2.0 * (qx * qx + qy * qy)
-        pull = 0.5 * thrust_scale * (commanded + mean * (f - commanded))
+        ox, oy, oz = ex, ey, ez_n
+        ex, ey, ez_n = qx * qz + qw * qy, qy * qz - qw * qx, 0.5 - (qx * qx + qy * qy)
+        pull = thrust_scale * (commanded + mean * (f - commanded))
         f = commanded + left * (f - commanded)
-        specific_thrust_n = (pull * (ox + bx), pull * (oy + by), pull * (oz + bz_n))
-        ax, ay_n, az_n = acceleration(specific_thrust_n, (vx, vy, vz), gravity, drag, disturbance_n)
-        ax, ay_n, az_n = ax * damping, ay_n * damping, az_n * damping
+        # translation.acceleration, written out: here it is called more often than all else together
+        ax = (north - pull * (ox + ex) - drag * vx) * damping
+        ay_n = (east - pull * (oy + ey) - drag * vy) * damping
+        az_n = (down - pull * (oz + ez_n) - drag * vz) * damping
         x, y, z = x + h * (vx + half * ax), y + h * (vy + half * ay_n), z + h * (vz + half * az_n)
         vx, vy, vz = vx + h * ax, vy + h * ay_n, vz + h * az_n
         t += h

@@ -13,9 +13,10 @@ An axis that hardly turns goes along with the other.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
-from companion.estimation.rate_loop_model import STEP, TimedCommand, active_command, axis_transition
+from companion.estimation.rate_loop_model import STEP, AxisTransition, TimedCommand, active_command, axis_transition
 from companion.frames import Vec3
 
 LOG_SPACING = 0.25
@@ -54,6 +55,8 @@ Model = tuple[float, float]
 """Body rate and its derivative of one model: rad/s, rad/s^2."""
 Models = tuple[Model, Model, Model]
 """With a shorter lag, the estimated one and a longer one."""
+CommandedRates = tuple[float, list[Vec3]]
+"""What drives the models: their step (s), and the rates in the middle of each (rad/s)."""
 
 
 class AxisEstimate(NamedTuple):
@@ -131,45 +134,64 @@ def update_rate_loop_estimate(
     ran = known.ran + dt
     # a while in which the models swing in
     k = dt / MEAN_TIME if ran >= SETTLING_TIME else 0.0
+    driven_by = rates_commanded(commands, known.at, dt)
     roll, pitch = (
-        _compare(
-            axis._replace(models=propagate_models(axis.models, axis.lag, motor_lag, i, commands, known.at, dt)),
-            w_b[i],
-            k,
-        )
+        _compare(axis, propagate_models(axis.models, axis.lag, motor_lag, driven_by, i), w_b[i], k)
         for i, axis in enumerate((known.roll, known.pitch))
     )
     if k > 0.0:
         roll, pitch = _learn(roll, pitch, known.prior, dt), _learn(pitch, roll, known.prior, dt)
-    return known._replace(roll=roll, pitch=pitch, ran=ran, at=now)
+    return RateLoopEstimate(roll, pitch, known.prior, ran, now)
+
+
+def rates_commanded(commands: tuple[TimedCommand, ...], begin: float, dt: float) -> CommandedRates:
+    """What was commanded in the ``dt`` s from ``begin`` (s, the vehicle's clock) on."""
+    steps = max(1, math.ceil(dt / (2.0 * STEP) - 1e-9))
+    h = round(dt / steps, 6)
+    return h, [active_command(commands, begin + (k + 0.5) * h).rates_b for k in range(steps)]
 
 
 def propagate_models(
-    models: Models, lag: float, motor_lag: float, index: int, commands: tuple[TimedCommand, ...], begin: float,
-    dt: float, grid: float = LAG_GRID,
-) -> Models:  # fmt: skip
-    """The models ``dt`` s after ``begin`` (s, the vehicle's clock), driven by the commands. ``lag``: s, of the middle
-    one, taken from a ``grid`` of so many an e-fold; ``index``: 0 roll, 1 pitch, 2 yaw."""
-    # on a grid, so that the transitions are computed once
-    middle, spacing = round(grid * math.log(lag)), round(grid * LOG_SPACING)
-    step = 1.0 / grid
-    a, b, c = (
-        _propagate(model, math.exp(step * (middle + k * spacing)), motor_lag, index, commands, begin, dt)
-        for k, model in zip((-1, 0, 1), models, strict=True)
+    models: Models, lag: float, motor_lag: float, commanded: CommandedRates, index: int, grid: float = LAG_GRID
+) -> Models:
+    """The models once they were driven by what was ``commanded``. ``lag``: s, of the middle one, taken from a ``grid``
+    of so many an e-fold; ``index``: 0 roll, 1 pitch, 2 yaw."""
+    h, rates_b = commanded
+    shorter, middle, longer = _transitions(round(grid * math.log(lag)), grid, motor_lag, h)
+    goals = [rates[index] for rates in rates_b]
+    a, b, c = models
+    return (_propagate(a, shorter, goals), _propagate(b, middle, goals), _propagate(c, longer, goals))
+
+
+@lru_cache(maxsize=512)
+def _transitions(
+    middle: int, grid: float, motor_lag: float, h: float
+) -> tuple[AxisTransition, AxisTransition, AxisTransition]:
+    """Over ``h`` s: with a shorter lag, the one of number ``middle`` on the grid, and a longer one."""
+    step, spacing = 1.0 / grid, round(grid * LOG_SPACING)
+    a, b, c = (axis_transition(math.exp(step * (middle + k * spacing)), motor_lag, h) for k in (-1, 0, 1))
+    return a, b, c
+
+
+def _propagate(model: Model, step: AxisTransition, goals: list[float]) -> Model:
+    w, wd = model
+    for goal in goals:
+        y = w - goal
+        w, wd = goal + step.yy * y + step.yd * wd, step.dy * y + step.dd * wd
+    return (w, wd)
+
+
+def _compare(axis: AxisEstimate, models: Models, w: float, k: float) -> AxisEstimate:
+    """The means after another measurement of the rate (rad/s), of which ``k`` is taken over. ``models``: then."""
+    (e1, e2, e3), ((a, _), (b, _), (c, _)) = axis.mean_squared_errors, models
+    return AxisEstimate(
+        axis.lag,
+        models,
+        (e1 + k * ((a - w) ** 2 - e1), e2 + k * ((b - w) ** 2 - e2), e3 + k * ((c - w) ** 2 - e3)),
+        axis.gain,
+        axis.gyro_times_model + k * (b * w - axis.gyro_times_model),
+        axis.model_squared + k * (b * b - axis.model_squared),
     )
-    return (a, b, c)
-
-
-def _compare(axis: AxisEstimate, w: float, k: float) -> AxisEstimate:
-    """The means after another measurement of the rate (rad/s), of which ``k`` is taken over."""
-    (e1, e2, e3), ((a, _), (b, _), (c, _)) = axis.mean_squared_errors, axis.models
-    return axis._replace(
-        mean_squared_errors=(
-            e1 + k * ((a - w) ** 2 - e1), e2 + k * ((b - w) ** 2 - e2), e3 + k * ((c - w) ** 2 - e3)
-        ),
-        gyro_times_model=axis.gyro_times_model + k * (b * w - axis.gyro_times_model),
-        model_squared=axis.model_squared + k * (b * b - axis.model_squared),
-    )  # fmt: skip
 
 
 def _learn(axis: AxisEstimate, other: AxisEstimate, prior: float, dt: float) -> AxisEstimate:
@@ -184,8 +206,13 @@ def _learn(axis: AxisEstimate, other: AxisEstimate, prior: float, dt: float) -> 
         gain *= 1.0 + (axis.gyro_times_model / axis.model_squared - 1.0) * dt / FOLLOW_TIME
     elif other.model_squared > GAIN_EXCITATION_MIN:
         gain += along * (other.gain - gain)
-    return axis._replace(
-        lag=max(prior * LAG_RATIO_MIN, min(prior * LAG_RATIO_MAX, lag)), gain=max(1.0, min(GAIN_MAX, gain))
+    return AxisEstimate(
+        max(prior * LAG_RATIO_MIN, min(prior * LAG_RATIO_MAX, lag)),
+        axis.models,
+        axis.mean_squared_errors,
+        max(1.0, min(GAIN_MAX, gain)),
+        axis.gyro_times_model,
+        axis.model_squared,
     )
 
 
@@ -198,18 +225,3 @@ def step_to_minimum(mean_squared_errors: Vec3) -> float:
     if middle <= shorter and middle <= longer and curvature > 0.0:
         return 0.5 * LOG_SPACING * (shorter - longer) / curvature
     return math.copysign(LOG_SPACING, shorter - longer)
-
-
-def _propagate(
-    model: Model, lag: float, motor_lag: float, index: int, commands: tuple[TimedCommand, ...], begin: float,
-    dt: float,
-) -> Model:  # fmt: skip
-    steps = max(1, math.ceil(dt / (2.0 * STEP) - 1e-9))
-    h = round(dt / steps, 6)
-    step = axis_transition(lag, motor_lag, h)
-    w, wd = model
-    for k in range(steps):
-        goal = active_command(commands, begin + (k + 0.5) * h).rates_b[index]
-        y = w - goal
-        w, wd = goal + step.yy * y + step.yd * wd, step.dy * y + step.dd * wd
-    return (w, wd)

@@ -18,6 +18,7 @@ from companion.estimation.rate_loop_identification import (
     Models,
     begin_models,
     propagate_models,
+    rates_commanded,
     step_to_minimum,
 )
 from companion.estimation.rate_loop_model import YAW_LAG, YAW_TORQUE_LAG, TimedCommand
@@ -70,23 +71,22 @@ def update_yaw_loop_estimate(
         return known
     if dt > GAP_MAX:
         return reset_yaw_loop(known, r)._replace(at=now)
-    models = propagate_models(known.models, known.lag, YAW_TORQUE_LAG, 2, commands, known.at, dt, LAG_GRID)
+    commanded = rates_commanded(commands, known.at, dt)
+    models = propagate_models(known.models, known.lag, YAW_TORQUE_LAG, commanded, 2, LAG_GRID)
     (a, _), (b, _), (c, _) = models
-    known = known._replace(models=models, ran=known.ran + dt, at=now)
-    errors = (a - r, b - r, c - r)
-    if known.ran < SETTLING_TIME:
-        return known._replace(means=errors, variances=(0.0, 0.0, 0.0), swing_mean=b, swing=0.0)
+    errors, ran = (a - r, b - r, c - r), known.ran + dt
+    if ran < SETTLING_TIME:
+        return YawLoopEstimate(known.lag, known.prior, models, errors, (0.0, 0.0, 0.0), b, 0.0, ran, now)
     k = dt / MEAN_TIME
     d1, d2, d3 = (error - mean for error, mean in zip(errors, known.means, strict=True))
     (m1, m2, m3), (v1, v2, v3), rest = known.means, known.variances, 1.0 - k
-    known = known._replace(
-        means=(m1 + k * d1, m2 + k * d2, m3 + k * d3),
-        variances=(rest * (v1 + k * d1 * d1), rest * (v2 + k * d2 * d2), rest * (v3 + k * d3 * d3)),
-    )
+    means = (m1 + k * d1, m2 + k * d2, m3 + k * d3)
+    variances = (rest * (v1 + k * d1 * d1), rest * (v2 + k * d2 * d2), rest * (v3 + k * d3 * d3))
     off = b - known.swing_mean
-    known = known._replace(swing_mean=known.swing_mean + k * off, swing=rest * (known.swing + k * off * off))
-    if known.swing < SWING_MIN:
-        return known
-    towards = step_to_minimum(known.variances)
-    low, high = (ratio * known.prior for ratio in LAG_RATIO_RANGE)
-    return known._replace(lag=clamped(known.lag * math.exp(towards * dt / FOLLOW_TIME), low, high))
+    swing_mean, swing = known.swing_mean + k * off, rest * (known.swing + k * off * off)
+    lag = known.lag
+    if swing >= SWING_MIN:
+        low, high = LAG_RATIO_RANGE
+        lag *= math.exp(step_to_minimum(variances) * dt / FOLLOW_TIME)
+        lag = clamped(lag, low * known.prior, high * known.prior)
+    return YawLoopEstimate(lag, known.prior, models, means, variances, swing_mean, swing, ran, now)
