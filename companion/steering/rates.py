@@ -125,7 +125,7 @@ class RateSteering:
         rates = self._limit_rates(memory, command, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
         # every other step is often enough for a derivative
-        pending = YawRequest(flying, command, aim) if memory.yaw.pending is None else None
+        pending = None if memory.yaw.requested else YawRequest(flying, command, aim, dt)
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
         memory = RateMemory(
@@ -133,7 +133,7 @@ class RateSteering:
             commands=(*memory.commands, TimedCommand(at, rates.meant, thrust.specific)),
             zeta=thrust.zeta,
             governor=governor,
-            yaw=YawMemory(memory.yaw.derivative, pending),
+            yaw=YawMemory(memory.yaw.derivative, pending, pending is not None),
             poles=update_path_poles(memory.poles, self.pole_choice, rates.sent, dt, along=isinstance(aim, Along)),
             delay=memory.delay,
             limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
@@ -143,16 +143,16 @@ class RateSteering:
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
-        pending = memory.estimate.motion.pending
-        if pending is None:
+        # the filter may have taken the state in at once; the derivative is due all the same
+        estimate, yaw, vehicle = memory.estimate, memory.yaw, self.vehicle
+        if estimate.motion.pending is None and yaw.pending is None:
             return memory
-        yaw, vehicle = memory.yaw, self.vehicle
         if yaw.pending is not None:
             derivative = yaw_rate_derivative(
                 yaw.pending, self._ask, vehicle.gravity, vehicle.mass, self.yaw_gain, self.heading
             )
-            yaw = update_derivative(yaw, derivative, pending.dt)
-        return memory._replace(estimate=learn_pending(memory.estimate, memory.commands), yaw=yaw)
+            yaw = update_derivative(yaw, derivative, yaw.pending.dt)
+        return memory._replace(estimate=learn_pending(estimate, memory.commands), yaw=yaw)
 
     def level_setpoint(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
         """See Steering."""

@@ -78,19 +78,22 @@ def thrust_per_rate(tuning: Tuning) -> ThrustPerRate:
 
 
 class YawRequest(NamedTuple):
-    """What was asked of the law, and what it answered: where the derivative of the yaw rate is to be taken."""
+    """What was asked of the law, and what it answered: where the derivative of the yaw rate is to be taken. ``dt``: s
+    since the state before."""
 
     flying: Flying
     command: Command
     aim: Aim
+    dt: float
 
 
 class YawMemory(NamedTuple):
     """``derivative``: rad/s^2, of the yaw rate that the law asks for, smoothed; ``pending``: where it is to be taken
-    next."""
+    next; ``requested``: whether it was to be taken at the last state, so that it rests at the next."""
 
     derivative: float = 0.0
     pending: YawRequest | None = None
+    requested: bool = False
 
 
 class YawLoop(NamedTuple):
@@ -140,9 +143,10 @@ def compensate_yaw(
 
 
 def update_derivative(yaw: YawMemory, derivative: float, dt: float) -> YawMemory:
-    """``yaw`` with the derivative (rad/s^2) smoothed, ``dt`` s after the last state; it is taken every other one."""
+    """``yaw`` with the derivative (rad/s^2) that was pending taken in, smoothed, ``dt`` s after the last state; it is
+    taken every other one."""
     k = min(1.0, 2.0 * dt / DERIVATIVE_TIME)
-    return YawMemory(yaw.derivative + k * (derivative - yaw.derivative), yaw.pending)
+    return YawMemory(yaw.derivative + k * (derivative - yaw.derivative), None, yaw.requested)
 
 
 def yaw_rate_derivative(
@@ -151,7 +155,7 @@ def yaw_rate_derivative(
 ) -> float:  # fmt: skip
     """rad/s^2, of the yaw rate that the law asks for: it is asked again DERIVATIVE_STEP later in the motion it wants,
     with the heading error as it is. Zero where the law is not defined then, which it will say when it comes there."""
-    flying, command, aim = request
+    flying, command, aim, _ = request
     h = DERIVATIVE_STEP
     r, f = flying.r_nb, flying.zeta / mass
     (x, y, z), (vx, vy, vz) = flying.p_n, flying.v_n

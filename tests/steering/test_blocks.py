@@ -217,7 +217,7 @@ class TestYaw:
             return command((0.0, 0.0, 0.3 * flying.p_n[0]))
 
         flying = Flying(ZERO, (2.0, 0.0, 0.0), rotation_matrix((1.0, 0.0, 0.0, 0.0)), 9.8)
-        request = YawRequest(flying, law(flying, At(ZERO, 0.0)), At(ZERO, 0.0))
+        request = YawRequest(flying, law(flying, At(ZERO, 0.0)), At(ZERO, 0.0), 0.01)
         assert yaw_rate_derivative(request, law, 9.8, 1.0, 2.0, Heading.PROJECTED) == pytest.approx(0.6)
 
 
