@@ -52,10 +52,10 @@ class LinkWay:
 
     def is_clear_for(self, endpoint: int) -> bool:
         """Whether everything of an endpoint passes at once and whole."""
-        if self.is_clear:
-            return True
+        if not self._is_ideal:
+            return False
         concerned = endpoint in self._cutters or any(endpoint in effect.endpoints for effect in self._effects)
-        return self._is_ideal and not (concerned or self._queue)
+        return not (concerned or self._queue)
 
     def cuts(self, endpoint: int) -> bool:
         """Whether what arrives at an endpoint are pieces of a stream."""

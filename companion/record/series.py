@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.flight.phases import Phase
-from companion.frames import Vec3, rotation_matrix, tilt, wrap
+from companion.frames import rotation_matrix, tilt, wrap
 from companion.record.table import Table
 
 if TYPE_CHECKING:  # an export needs no plan
@@ -71,13 +71,13 @@ def true_series(plan: Plan, estimated: dict[str, Array], truth: Table) -> dict[s
         stride = max(1, round(1.0 / TRUTH_RATE / float(np.median(np.diff(rows["t_boot"])))))
         rows = rows[::stride]
     names = ("stretch", "t", "since", "ramp", "speed_scale")
-    then = (np.interp(rows["t_boot"], t_boot, estimated[name]) for name in names)
+    then = (np.interp(rows["t_boot"], t_boot, estimated[name]).tolist() for name in names)
+    true = (rows[name].tolist() for name in ("p_n", "v_n", "q_nb", "rotor_thrusts", "commands"))
     collected = []
     s: float | None = None
     travelled, flown = 0.0, 0.0
-    for row, stretch, t, since, ramp, scale in zip(rows, *then, strict=True):
+    for p_n, v_n, q_nb, thrusts, commands, stretch, t, since, ramp, scale in zip(*true, *then, strict=True):
         way = -1.0 if ramp < 0.0 else 1.0
-        p_n, v_n = _vec3(row["p_n"]), _vec3(row["v_n"])
         if s is None or stretch != flown:
             s, distance = plan.table.locate(p_n)
             flown = stretch
@@ -86,28 +86,27 @@ def true_series(plan: Plan, estimated: dict[str, Array], truth: Table) -> dict[s
             s, distance = plan.table.nearest(p_n, s, 1.0 + 0.2 * math.hypot(*v_n))
             travelled += way * plan.direction * plan.table.difference(s, before)
         _, mu, _ = plan.table.at(s)
-        w, x, y, z = map(float, row["q_nb"])
-        r_nb = rotation_matrix((w, x, y, z))
+        r_nb = rotation_matrix(q_nb)
         speed = way * (mu[0] * v_n[0] + mu[1] * v_n[1] + mu[2] * v_n[2])
         alpha = plan.mission.alpha(s)
         yaw = plan.mission.heading.of(r_nb)
         collected.append(
             (
-                float(t),
-                float(since),
+                t,
+                since,
                 distance,
                 speed,
                 alpha,
                 speed - alpha,
                 wrap(yaw - plan.mission.beta(s)),
                 travelled,
-                float(ramp),
-                float(scale),
+                ramp,
+                scale,
                 math.atan2(r_nb[7], r_nb[8]),
                 math.asin(max(-1.0, min(1.0, -r_nb[6]))),
                 tilt(r_nb),
-                float(sum(row["rotor_thrusts"])),
-                *map(float, row["commands"]),
+                sum(thrusts),
+                *commands,
             )
         )
     values = np.array(collected).reshape(len(collected), len(_TRUE_COLUMNS))
@@ -118,11 +117,6 @@ _TRUE_COLUMNS = (
     "t", "since", "path_error", "speed", "alpha", "speed_error", "yaw_error", "travelled", "ramp", "speed_scale",
     "roll", "pitch", "tilt", "thrust", "sent_0", "sent_1", "sent_2", "sent_3",
 )  # fmt: skip
-
-
-def _vec3(values: Array) -> Vec3:
-    x, y, z = map(float, values)
-    return (x, y, z)
 
 
 def _nothing() -> dict[str, Array]:
