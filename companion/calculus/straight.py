@@ -121,6 +121,20 @@ class Tape:
             self._known[key] = symbol
         return symbol
 
+    @property
+    def arity(self) -> int:
+        """Number of inputs."""
+        return len(self._inputs)
+
+    def place(self, symbol: Symbol) -> int:
+        """Which of the inputs a symbol is."""
+        return self._inputs.index(symbol.arguments[0])
+
+    def needed(self, outputs: Sequence[Scalar]) -> list[Symbol]:
+        """What the outputs are made of, each after what it is made of itself."""
+        uses = self._uses(outputs)
+        return [symbol for symbol in self._symbols if symbol.index in uses]
+
     def function(self, name: str, outputs: Sequence[Scalar]) -> Function:
         """A Python function of the inputs that returns ``outputs`` as a tuple of floats."""
         function: Function = self._compiled(name, outputs, FLOAT_FUNCTIONS)

@@ -32,6 +32,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from companion.calculus import machine_code
 from companion.estimation.kalman_step import (
     AT,
     AXES,
@@ -46,14 +47,13 @@ from companion.estimation.kalman_step import (
     PER_AXIS,
     POSITION,
     SIZE,
-    STEP,
-    STEP_FROZEN,
     THRUST_SCALE,
     THRUST_SCALE_Q,
     UPPER,
     VELOCITY,
     VELOCITY_ERROR,
     WANDER,
+    step_of,
 )
 from companion.estimation.noise_levels import NoiseLevels
 from companion.frames import Vec3
@@ -219,7 +219,7 @@ def predict_and_update(
     ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes k and c. ``thrust_scale_q``: 1/s, process noise of
     k.
     """
-    told = (STEP if learning else STEP_FROZEN)(
+    told = step_of(learning, machine_code.in_use)(
         dt, *specific_thrust_n, gravity, *p_n, *v_n, noise.position, noise.velocity, *noise.wander,
         *noise.velocity_error, *noise.gust, *noise.disturbance_q, noise.heading_error, thrust_scale_q,
         *belief.x, *belief.S, *belief.G, *belief.T,

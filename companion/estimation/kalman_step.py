@@ -16,8 +16,10 @@ exact here, and with it (by under a thousandth in a step) what two axes have in 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
+from companion.calculus import machine_code
 from companion.calculus.scalar import Scalar
 from companion.calculus.straight import Function, Tape
 from companion.estimation.translation import Scalar3, acceleration
@@ -127,7 +129,7 @@ def _record_step(name: str, *, learning: bool) -> Function:
     both = (VELOCITY, VELOCITY_ERROR)
     velocities = [update(known, T, moved, both, measured[AXES + i], noise_v) for i, known in enumerate(axes)]
     seen = [*positions, *velocities]
-    return tape.function(name, [
+    return machine_code.function_of(tape, name, [
         *(value + (k * moved[0] + d * moved[1]) for x, _, G in axes for value, (k, d) in zip(x, G, strict=True)),
         scale + moved[0], c + moved[1],
         *(S[i][j] for _, S, _ in axes for i, j in UPPER), *(slope for _, _, G in axes for row in G for slope in row),
@@ -265,7 +267,12 @@ def _sum(values: list[Scalar], states: tuple[int, ...]) -> Scalar:
     return total
 
 
-STEP = _record_step("kalman", learning=True)
-"""(dt, F, g, measurement, noise, state, S, G, T) -> (state, S, G, T, innovations, variances)."""
-STEP_FROZEN = _record_step("kalman_frozen", learning=False)
-"""The same without learning k and c."""
+@lru_cache(maxsize=4)
+def step_of(learning: bool, in_machine_code: bool) -> Function:
+    """(dt, F, g, measurement, noise, state, S, G, T) -> (state, S, G, T, innovations, variances). ``learning``: False
+    freezes k and c. ``in_machine_code``: whether that is in use."""
+    return _record_step("kalman" if learning else "kalman_frozen", learning=learning)
+
+
+for _learning in (True, False):
+    step_of(_learning, machine_code.in_use)  # recorded now and not in a flight's first tick

@@ -6,8 +6,13 @@ Dead time (the link) and the lag of the rate loop are bridged by integrating the
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import Any, NamedTuple
 
+from companion.calculus import machine_code
+from companion.calculus.scalar import Scalar
+from companion.calculus.straight import Function, Tape
 from companion.estimation.rate_loop_model import (
     STEP,
     YAW_TORQUE_LAG,
@@ -18,6 +23,8 @@ from companion.estimation.rate_loop_model import (
     thrust_transition,
 )
 from companion.frames import Quaternion, Vec3, normalised
+
+Scalars = tuple[Scalar, ...]
 
 
 class ForceModel(NamedTuple):
@@ -52,27 +59,62 @@ def predict(
     """
     steps = max(1, math.ceil(horizon / STEP - 1e-9))
     h = round(horizon / steps, 6)
-    half = 0.5 * h
-    damping = 1.0 - half * forces.drag  # drag acts on the velocity in the middle of the step
-    yy, yd, dy, dd, ay, ad = axis_transition(rate_loop.lags[0], rate_loop.motor_lag, h)
-    jj, jd, ej, edj, aj, adj = axis_transition(rate_loop.lags[1], rate_loop.motor_lag, h)
-    zz, zd, ez, ed, az, bz = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)
+    transitions = (
+        axis_transition(rate_loop.lags[0], rate_loop.motor_lag, h),
+        axis_transition(rate_loop.lags[1], rate_loop.motor_lag, h),
+        axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h),
+        thrust_transition(rate_loop.motor_lag, h),
+    )
+    active = _active_commands(commands, begin, h, steps)
+    if machine_code.in_use:
+        (roll, pitch, yaw, thrust), (w_b, w_dot_b, f, trim) = transitions, rate_loop_state
+        thrust_scale, drag, disturbance_n, gravity = forces
+        inputs = [
+            h, *roll, *pitch, *yaw, *thrust, *p_n, *v_n, *q_nb, *w_b, *w_dot_b, f, trim, thrust_scale, drag,
+            *disturbance_n, gravity,
+        ]  # fmt: skip
+        for _, rates_b, commanded in active:
+            inputs += rates_b
+            inputs.append(commanded)
+        values = _recorded(steps)(*inputs)
+    else:
+        values = _integrate(h, transitions, p_n, v_n, q_nb, rate_loop_state, forces, active)
+    x, y, z, vx, vy, vz, qw, qx, qy, qz, p, q, r = values
+    return PredictedState((x, y, z), (vx, vy, vz), normalised((qw, qx, qy, qz)), (p, q, r))
+
+
+def _active_commands(commands: tuple[TimedCommand, ...], begin: float, h: float, steps: int) -> list[TimedCommand]:
+    """Those that act in the middle of each of so many ``steps`` of ``h`` s from ``begin`` on."""
+    active = []
+    i, last = 0, len(commands) - 1
+    t = begin + 0.5 * h
+    for _ in range(steps):
+        while i < last and commands[i + 1].at <= t:
+            i += 1
+        active.append(commands[i])
+        t += h
+    return active
+
+
+def _integrate(
+    h: Scalar, transitions: tuple[Scalars, Scalars, Scalars, Scalars], p_n: Scalars, v_n: Scalars, q_nb: Scalars,
+    rate_loop_state: tuple[Scalars, Scalars, Scalar, Scalar], forces: tuple[Scalar, Scalar, Scalars, Scalar],
+    active: Iterable[tuple[Any, Scalars, Scalar]],
+) -> tuple[Scalar, ...]:  # fmt: skip
+    """Steps of ``h`` s, each under its command: position, velocity, attitude, body rates. Floats, or symbols of a
+    tape."""
+    (yy, yd, dy, dd, ay, ad), (jj, jd, ej, edj, aj, adj), (zz, zd, ez, ed, az, bz), (left, mean) = transitions
     ay, ad, aj, adj, az, bz = 0.5 * ay, 0.5 * ad, 0.5 * aj, 0.5 * adj, 0.5 * az, 0.5 * bz  # of half the angles
-    left, mean = thrust_transition(rate_loop.motor_lag, h)
+    half = 0.5 * h
     (x, y, z), (vx, vy, vz) = p_n, v_n
     qw, qx, qy, qz = q_nb
     (wp, wq, wr), (pd, qd, rd), f, trim = rate_loop_state
     thrust_scale, drag, (north, east, down), gravity = forces
-    down += gravity
-    last = len(commands) - 1
-    i = 0
+    down = down + gravity
+    damping = 1.0 - half * drag  # drag acts on the velocity in the middle of the step
     ex, ey, ez_n = qx * qz + qw * qy, qy * qz - qw * qx, 0.5 - (qx * qx + qy * qy)  # half the thrust axis
-    t = begin + half
-    for _ in range(steps):
-        while i < last and commands[i + 1].at <= t:
-            i += 1
-        _, (sp, sq, sr), commanded = commands[i]
-        sr += trim
+    for _, (sp, sq, sr), commanded in active:
+        sr = sr + trim
         yp, yq, yr = wp - sp, wq - sq, wr - sr
         # half the angles turned in this step, each axis by its own loop
         hp, hq, hr = sp * half + ay * yp + ad * pd, sq * half + aj * yq + adj * qd, sr * half + az * yr + bz * rd
@@ -98,5 +140,25 @@ def predict(
         az_n = (down - pull * (oz + ez_n) - drag * vz) * damping
         x, y, z = x + h * (vx + half * ax), y + h * (vy + half * ay_n), z + h * (vz + half * az_n)
         vx, vy, vz = vx + h * ax, vy + h * ay_n, vz + h * az_n
-        t += h
-    return PredictedState((x, y, z), (vx, vy, vz), normalised((qw, qx, qy, qz)), (wp, wq, wr))
+    return x, y, z, vx, vy, vz, qw, qx, qy, qz, wp, wq, wr
+
+
+@lru_cache(maxsize=64)
+def _recorded(steps: int) -> Function:
+    """``_integrate`` over so many steps, from all its numbers one after another."""
+    tape = Tape()
+    count = 0
+
+    def inputs(size: int) -> tuple[Scalar, ...]:
+        nonlocal count
+        count += size
+        return tape.inputs(*(f"x{i}" for i in range(count - size, count)))
+
+    (h,) = inputs(1)
+    transitions = (inputs(6), inputs(6), inputs(6), inputs(2))
+    p_n, v_n, q_nb = inputs(3), inputs(3), inputs(4)
+    rate_loop_state = (inputs(3), inputs(3), *inputs(2))
+    forces = (*inputs(2), inputs(3), *inputs(1))
+    active = [(None, inputs(3), *inputs(1)) for _ in range(steps)]
+    outputs = _integrate(h, transitions, p_n, v_n, q_nb, rate_loop_state, forces, active)
+    return machine_code.function_of(tape, "predict", outputs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from companion.calculus import machine_code
 from companion.calculus.scalar import Scalar, maximum
 from companion.calculus.straight import Function, Tape
 from companion.calculus.taylor import Taylor
@@ -70,7 +71,8 @@ def finish_step(
             turn.z = clamped(turn.z, bounds.yaw_rate)
     lift = motion.R.e3 * (motion.zeta / model.m) - wanted.missing
     aligned = (lift @ motion.R.e3) / maximum(lift.norm(), WEIGHTLESS)
-    return tape.function(
+    return machine_code.function_of(
+        tape,
         level.name.lower(),
         [zeta_derivative, *turn.components(), *reported, psi, beta.derivative(0), regularity, aligned],
     )

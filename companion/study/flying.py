@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from companion.calculus import machine_code
 from companion.config.study.keys import RequireModel
 from companion.library.calls import Asked, summary_of
 from companion.library.comparing import figures_of
@@ -89,6 +90,7 @@ def row_of(case: Case, record: Path | None = None) -> dict[str, Any]:
     """The flight as one row: its values, how it ended, every number of its summary. ``record``: its folder, where one
     is wanted. Never raises."""
     begun = time.monotonic()
+    machine_code.use()
     row: dict[str, Any] = {"index": case.index, "seed": case.varied.get("flight.seed", case.seed)}
     row |= {f"vary.{name}": value for name, value in case.varied.items()}
     figures: dict[str, Any] = {}
