@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 
+from companion.calculus import machine_code, scalar
+from companion.calculus.scalar import Scalar
+from companion.calculus.straight import Function, Tape
 from companion.frames import Vec3
-from sim_bridge.rigid_body import Derivative, F
+from sim_bridge.rigid_body import Body, Derivative, F, derivative_of
 from sim_bridge.rotors import Four
 
 Motion = tuple[F, F, F, F, F, F, F, F, F, F, F, F, F]
@@ -16,14 +20,13 @@ Advance = Callable[[Motion, tuple[Four, Four, Four], Vec3, Vec3, float], Motion]
 from the motion and the thrusts at the step's beginning, middle and end to the next motion."""
 
 
-def runge_kutta(derivative: Derivative, step: float) -> Advance:
-    """One step of ``step`` s under ``derivative``; the quaternion comes out at unit length.
+def runge_kutta(derivative: Derivative, step: float, sqrt: Callable[[Scalar], Scalar] = math.sqrt) -> Advance:
+    """One step of ``step`` s under ``derivative``; the quaternion comes out at unit length. ``sqrt``: of its numbers.
 
     The classical scheme, with the position's stages summed by hand: since the derivative does not depend on the
     position, they are those of the velocity one stage earlier.
     """
     half, sixth, square = 0.5 * step, step / 6.0, step * step / 6.0
-    sqrt = math.sqrt
 
     def advance(
         motion: Motion, thrusts: tuple[Four, Four, Four], wind_n: Vec3, given: Vec3, turn: float
@@ -69,3 +72,39 @@ def runge_kutta(derivative: Derivative, step: float) -> Advance:
         )  # fmt: skip
 
     return advance
+
+
+def advance_of(body: Body, step: float) -> Advance:
+    """One step of ``step`` s of a body's motion: as machine code where that is in use, with the same numbers."""
+    if not machine_code.in_use:
+        return runge_kutta(derivative_of(body), step)
+    more_drag = (body.rotor_drag, body.quadratic_drag)
+    function = _recorded(step, any(more_drag))
+    known = [body.mass, *body.inertia, body.drag, body.angular_drag]
+    for torque in body.torques_per_newton:
+        known += torque
+    known += more_drag if any(more_drag) else ()
+
+    def advance(
+        motion: Motion, thrusts: tuple[Four, Four, Four], wind_n: Vec3, given: Vec3, turn: float
+    ) -> Motion:  # fmt: skip
+        first, middle, last = thrusts
+        return function(*known, *motion, *first, *middle, *last, *wind_n, *given, turn)  # type: ignore[return-value]
+
+    return advance
+
+
+@lru_cache(maxsize=16)
+def _recorded(step: float, has_more_drag: bool) -> Function:
+    """A step of any body: a function of what ``derivative_of`` takes of it, and then of what ``Advance`` takes."""
+    tape = Tape()
+    mass, jx, jy, jz, drag, angular_drag = tape.inputs("m", "jx", "jy", "jz", "c", "d")
+    a, b, c, d = (tape.inputs(f"l{i}", f"m{i}", f"n{i}") for i in range(4))
+    more_drag = tape.inputs("c_r", "c_2") if has_more_drag else (0.0, 0.0)
+    body = Body(mass, (jx, jy, jz), 0.0, drag, angular_drag, (a, b, c, d), *more_drag)  # type: ignore[arg-type]
+    motion = tape.inputs("pn", "pe", "pd", "vn", "ve", "vd", "qw", "qx", "qy", "qz", "p", "q", "r")
+    first, middle, last = (tape.inputs(*(f"{when}{i}" for i in range(4))) for when in "fgh")
+    wind_n, given, (turn,) = tape.inputs("wn", "we", "wd"), tape.inputs("an", "ae", "ad"), tape.inputs("turn")
+    advance = runge_kutta(derivative_of(body, scalar.sqrt), step, scalar.sqrt)
+    outputs = advance(motion, (first, middle, last), wind_n, given, turn)  # type: ignore[arg-type]
+    return machine_code.function_of(tape, "advance", outputs)

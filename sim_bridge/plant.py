@@ -12,9 +12,9 @@ from companion.world import World
 from sim_bridge import environment
 from sim_bridge.battery import Cells
 from sim_bridge.gusts import GustyAir
-from sim_bridge.integrate import Motion, runge_kutta
+from sim_bridge.integrate import Motion, advance_of
 from sim_bridge.noise import RandomStream, normals
-from sim_bridge.rigid_body import body_of, derivative_of, true_vehicle
+from sim_bridge.rigid_body import body_of, true_vehicle
 from sim_bridge.rotors import Four, lagging, spinning, thrust_wanted
 
 BODY_RATE_MAX = 100.0
@@ -68,7 +68,7 @@ class Plant:
         )
         self._reactions = tuple(rotor.spin.reaction * rotor.torque_per_thrust for rotor in self.vehicle.rotors)
         self._deviations = world.truth  # a payload that falls off changes them
-        self._advance = runge_kutta(derivative_of(body_of(self.vehicle, world.truth)), self.step_s)
+        self._advance = advance_of(body_of(self.vehicle, world.truth), self.step_s)
         self._gusts = (
             None
             if world.gusts is None
@@ -113,7 +113,7 @@ class Plant:
         self._deviations = replace(
             truth, rotor_drag=truth.rotor_drag * more, quadratic_drag=truth.quadratic_drag * more
         )
-        self._advance = runge_kutta(derivative_of(body_of(self.vehicle, self._deviations)), self.step_s)
+        self._advance = advance_of(body_of(self.vehicle, self._deviations), self.step_s)
 
     def thrusts_of(self, commands: Four) -> Four:
         """The thrusts (N) that motor commands lead to in the end."""

@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from companion.calculus.scalar import Scalar
 from companion.frames import Vec3
 from companion.vehicle import Vehicle
 from companion.world import Deviations
@@ -70,8 +71,8 @@ def body_of(vehicle: Vehicle, truth: Deviations = Deviations()) -> Body:  # noqa
     )  # fmt: skip
 
 
-def derivative_of(body: Body) -> Derivative:
-    """The derivative of a body's motion."""
+def derivative_of(body: Body, sqrt: Callable[[Scalar], Scalar] = math.sqrt) -> Derivative:
+    """The derivative of a body's motion. ``sqrt``: of the numbers it is made of, floats or symbols of a tape."""
     (l0, m0, n0), (l1, m1, n1), (l2, m2, n2), (l3, m3, n3) = body.torques_per_newton
     jx, jy, jz = body.inertia
     per_mass, per_jx, per_jy, per_jz = 1.0 / body.mass, 1.0 / jx, 1.0 / jy, 1.0 / jz
@@ -103,7 +104,7 @@ def derivative_of(body: Body) -> Derivative:
     ) -> Rates:  # fmt: skip
         bn, be, bd = 2.0 * (qx * qz + qw * qy), 2.0 * (qy * qz - qw * qx), 1.0 - 2.0 * (qx * qx + qy * qy)
         along = c_r * (bn * un + be * ue + bd * ud)
-        k = c_r + c_2 * math.sqrt(un * un + ue * ue + ud * ud)
+        k = c_r + c_2 * sqrt(un * un + ue * ue + ud * ud)
         return derivative(
             un, ue, ud, qw, qx, qy, qz, p, q, r, f0, f1, f2, f3,
             an - k * un + along * bn, ae - k * ue + along * be, ad - k * ud + along * bd, turn,

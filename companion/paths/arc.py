@@ -101,7 +101,7 @@ class ArcTable:
     def at(self, s: float) -> tuple[Vec3, Vec3, Vec3]:
         """Point, first and second derivative at arc length ``s``; wrapped where closed, clamped where open."""
         s = self.within(s)
-        i = min(bisect_right(self.knots, s), len(self.pieces)) - 1
+        i = bisect_right(self.knots, s, 0, len(self.pieces)) - 1
         return evaluate(self.pieces[i], s - self.knots[i])
 
     def within(self, s: float) -> float:

@@ -21,6 +21,8 @@ from companion.estimation.predictor import ForceModel, predict
 from companion.estimation.rate_loop_model import RateLoopState, TimedCommand, alike
 from companion.study.flying import cases_of, row_of
 from companion.study.reading import load_study
+from sim_bridge.integrate import advance_of
+from sim_bridge.rigid_body import Body
 from tests.calculus.test_calculus import SAMPLES
 
 CIRCLE = Path(__file__).resolve().parents[2] / "configs/studies/dispersed_circle.yaml"
@@ -128,6 +130,24 @@ def test_the_prediction_is_the_same(horizon: float) -> None:
             there = predict(tuple(c), tuple(d), (0.8, 0.6, 0.0, 0.0), state, forces, loop, commands, 0.01, horizon)
             found.append(bits([value for part in there for value in part]))
         assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("more_drag", [(0.0, 0.0), (0.3, 0.05)])
+def test_a_step_of_the_plant_is_the_same(more_drag: tuple[float, float]) -> None:
+    rng = random.Random(2)
+    arms = tuple((0.1 * x, 0.1 * y, 0.01) for x, y in ((1, 1), (-1, -1), (1, -1), (-1, 1)))
+    body = Body(1.9, (0.02, 0.021, 0.04), 9.8, 0.3, 0.01, arms, *more_drag)
+    motion, thrusts = (
+        tuple(rng.uniform(-2.0, 2.0) for _ in range(13)),
+        (tuple(rng.uniform(3.0, 6.0) for _ in range(4)),) * 3,
+    )
+    flown = []
+    for machine_code.in_use in (True, False):
+        after, advance = motion, advance_of(body, 0.004)
+        for _ in range(100):
+            after = advance(after, thrusts, (3.0, -2.0, 0.5), (0.1, 0.0, 9.8), 0.02)  # type: ignore[arg-type]
+        flown.append(bits(after))
+    assert flown[0] == flown[1]
 
 
 def test_a_flight_of_a_study_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
