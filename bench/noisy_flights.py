@@ -1,8 +1,8 @@
 """Paths under the noise of a real frame: ``python -m bench.noisy_flights plain``, or ``[FIRST [COUNT]]``.
 
-sih_noisy, 40 s of following, believed figures from 10 s on. ``plain``: the right vehicle file and still air, the mean of
-three seeds a line. Otherwise wrong files and wind, a flight a line: a steady wind of 3 m/s, hover thrust told wrong by
-+-15 % and drag by +-50 %. The tilt of the vehicle file is 60 deg at 7 m/s, with wind from 5 m/s on.
+sih_noisy, 40 s of following, believed figures from 10 s on. ``plain``: the right vehicle file and still air, the mean
+of three seeds a line. Otherwise wrong files and wind, a flight a line: a steady wind of 3 m/s, hover thrust told wrong
+by +-15 % and drag by +-50 %. The tilt of the vehicle file is 60 deg at 7 m/s, with wind from 5 m/s on.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from companion.estimation.learned import Learned, prior_of
 from companion.flight.conduct import Conduct
 from companion.frames import Heading, Vec3
-from companion.law.feedback import Bounds
+from companion.law.feedback import bounds_of
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
 from companion.law.gains import Gains, Level, auto_gains, default_gains, law_level, poles_of
 from companion.law.hold import HoldLaw, hold_law
@@ -75,7 +75,7 @@ def prepared(
     usual = default_gains(law_level(level))
     gains = gains_of(placed, vehicle, level, tuning, learned)
     path_pole = None if placed.gains is not None else float(poles_of(gains.h1)[0].real)
-    bounds = None if vehicle.limits is None else Bounds()
+    bounds = bounds_of(vehicle, path_pole)
     law: Law
     if isinstance(placed.path, ImplicitPath):
         over_arc = OverArc(

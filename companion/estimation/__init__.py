@@ -4,7 +4,7 @@ vehicle_estimate         the estimate block: all of the following, carried from 
 motor_estimate           the same of a vehicle that takes motor commands
 motion_estimate          what both have in common: position, velocity and forces
 rate_loop_model          how its rate loop and motors answer a command
-rate_loop_identification the lag and gain of its rate loop; yaw_loop_identification: the lag in yaw
+rate_loop_identification the lag and gain of its rate loop; yaw_loop_identification: the lags in yaw
 body_model               what stands between a motor command and what the vehicle does
 angular_damping          how the air damps the turning of the body, found in flight
 kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, and how the reported ones wander

@@ -15,7 +15,6 @@ from companion.calculus.scalar import Scalar
 from companion.calculus.straight import Function, Tape
 from companion.estimation.rate_loop_model import (
     STEP,
-    YAW_TORQUE_LAG,
     RateLoop,
     RateLoopState,
     TimedCommand,
@@ -62,7 +61,7 @@ def predict(
     transitions = (
         axis_transition(rate_loop.lags[0], rate_loop.motor_lag, h),
         axis_transition(rate_loop.lags[1], rate_loop.motor_lag, h),
-        axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h),
+        axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h),
         thrust_transition(rate_loop.motor_lag, h),
     )
     active = _active_commands(commands, begin, h, steps)

@@ -151,24 +151,20 @@ def rates_commanded(commands: tuple[TimedCommand, ...], begin: float, dt: float)
     return h, [active_command(commands, begin + (k + 0.5) * h).rates_b for k in range(steps)]
 
 
-def propagate_models(
-    models: Models, lag: float, motor_lag: float, commanded: CommandedRates, index: int, grid: float = LAG_GRID
-) -> Models:
-    """The models once they were driven by what was ``commanded``. ``lag``: s, of the middle one, taken from a ``grid``
-    of so many an e-fold; ``index``: 0 roll, 1 pitch, 2 yaw."""
+def propagate_models(models: Models, lag: float, motor_lag: float, commanded: CommandedRates, index: int) -> Models:
+    """The models once they were driven by what was ``commanded``. ``lag``: s, of the middle one, taken from LAG_GRID;
+    ``index``: 0 roll, 1 pitch."""
     h, rates_b = commanded
-    shorter, middle, longer = _transitions(round(grid * math.log(lag)), grid, motor_lag, h)
+    shorter, middle, longer = _transitions(round(LAG_GRID * math.log(lag)), motor_lag, h)
     goals = [rates[index] for rates in rates_b]
     a, b, c = models
     return (_propagate(a, shorter, goals), _propagate(b, middle, goals), _propagate(c, longer, goals))
 
 
 @lru_cache(maxsize=512)
-def _transitions(
-    middle: int, grid: float, motor_lag: float, h: float
-) -> tuple[AxisTransition, AxisTransition, AxisTransition]:
+def _transitions(middle: int, motor_lag: float, h: float) -> tuple[AxisTransition, AxisTransition, AxisTransition]:
     """Over ``h`` s: with a shorter lag, the one of number ``middle`` on the grid, and a longer one."""
-    step, spacing = 1.0 / grid, round(grid * LOG_SPACING)
+    step, spacing = 1.0 / LAG_GRID, round(LAG_GRID * LOG_SPACING)
     a, b, c = (axis_transition(math.exp(step * (middle + k * spacing)), motor_lag, h) for k in (-1, 0, 1))
     return a, b, c
 

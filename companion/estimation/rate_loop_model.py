@@ -17,14 +17,19 @@ from companion.frames import Vec3, clamped
 
 STEP = 0.012
 """s, the longest step of a prediction. Engineering choice: half of it is a tenth of the shortest usual lag."""
-YAW_LAG = 0.43
-"""s, of the yaw rate loop. PX4's default gains (MC_YAWRATE_P 0.2) on its simulated quadrotor: t63 measured there."""
-YAW_TORQUE_LAG = 0.07
-"""s, of the yaw torque. PX4's default filter on it (MC_YAW_TQ_CUTOFF 2 Hz)."""
+YAW_LAG = 0.375
+"""s, of the yaw rate loop: rate error over the angular acceleration it makes. PX4's default MC_YAWRATE_P 0.2 on its
+simulated quadrotor, which a torque of 1 turns by 13.3 rad/s^2."""
+YAW_FILTER_LAG = 0.085
+"""s, of the yaw torque before the motors. PX4's default filters on it (MC_YAW_TQ_CUTOFF 2 Hz, 80 ms) and on the gyro
+(IMU_GYRO_CUTOFF 40 Hz, 5.6 ms)."""
+YAW_TORQUE_LAG = YAW_FILTER_LAG + 0.05
+"""s, of the yaw torque: the same with the motors of PX4's simulated quadrotor."""
 YAW_OBSERVER_POLE = 8.0
 """1/s: where all three poles of the yaw observer lie, as -8. Engineering choice."""
-YAW_TRIM_MAX = 1.0
-"""rad/s, the largest trim. Engineering choice: the yaw rates that are asked for are at most 1.5."""
+YAW_TRIM_MAX = 2.0
+"""rad/s, the largest trim. Engineering choice: half of the largest yaw rate that is asked for (PX4's MC_YAWRATE_MAX is
+3.5)."""
 GYRO_TIME = 0.03
 """s, time constant with which roll and pitch rates are drawn to the gyro. Simulated: with 0.006 s a gyro that shakes
 by 0.09 rad/s puts twice the noise into the commands (4 deg/s, not 2, on sih_noisy at poles of -5); the path error is
@@ -79,11 +84,12 @@ class RateLoopState(NamedTuple):
 
 class RateLoop(NamedTuple):
     """The model's figures. ``lags``: s, of the roll and the pitch rate loop. ``motor_lag``: s. ``yaw_lag``: s, of the
-    yaw rate loop."""
+    yaw rate loop; ``yaw_torque_lag``: s, of its torque."""
 
     lags: tuple[float, float]
     motor_lag: float
     yaw_lag: float = YAW_LAG
+    yaw_torque_lag: float = YAW_TORQUE_LAG
 
     @property
     def lag(self) -> float:
@@ -92,8 +98,8 @@ class RateLoop(NamedTuple):
 
 
 def alike(lag: float, motor_lag: float, yaw_lag: float = YAW_LAG) -> RateLoop:
-    """Roll and pitch of one lag (s)."""
-    return RateLoop((lag, lag), motor_lag, yaw_lag)
+    """Roll and pitch of one lag (s), PX4's filters and the same motors (s) in yaw."""
+    return RateLoop((lag, lag), motor_lag, yaw_lag, YAW_FILTER_LAG + motor_lag)
 
 
 class AxisTransition(NamedTuple):
@@ -155,7 +161,7 @@ def propagate(
         return rate_loop_state, rate_loop_state.specific_thrust
     (roll_lag, pitch_lag), motor_lag = rate_loop.lags, rate_loop.motor_lag
     rolling, pitching = axis_transition(roll_lag, motor_lag, h), axis_transition(pitch_lag, motor_lag, h)
-    turning = axis_transition(rate_loop.yaw_lag, YAW_TORQUE_LAG, h)
+    turning = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
     left, mean = thrust_transition(motor_lag, h)
     total = 0.0
     for k in range(steps):
@@ -181,6 +187,23 @@ def propagate(
     return rate_loop_state, total / steps
 
 
+def propagate_yaw(
+    rate_loop_state: RateLoopState, rate_loop: RateLoop, commands: tuple[TimedCommand, ...], begin: float, end: float
+) -> tuple[float, float]:
+    """Yaw rate (rad/s) and its derivative (rad/s^2) alone, as ``propagate`` has them."""
+    r, rd, trim = rate_loop_state.w_b[2], rate_loop_state.w_dot_b[2], rate_loop_state.yaw_trim
+    steps = max(1, math.ceil((end - begin) / STEP - 1e-9))
+    h = round((end - begin) / steps, 6)
+    if h <= 0.0:
+        return r, rd
+    turning = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
+    for k in range(steps):
+        goal = active_command(commands, begin + (k + 0.5) * h).rates_b[2] + trim
+        y = r - goal
+        r, rd = goal + turning.yy * y + turning.yd * rd, turning.dy * y + turning.dd * rd
+    return r, rd
+
+
 def recent_commands(commands: tuple[Timed, ...], since: float) -> tuple[Timed, ...]:
     """Those that act at or after ``since`` (s)."""
     past = 0
@@ -198,24 +221,25 @@ def active_command(commands: tuple[Timed, ...], t: float) -> Timed:
 
 
 @lru_cache(maxsize=64)
-def yaw_observer(yaw_lag: float) -> Vec3:
+def yaw_observer(yaw_lag: float, torque_lag: float) -> Vec3:
     """1/s, 1/s^2, 1/s: gains from the gyro's innovation to yaw rate, its derivative and the trim: those that put the
-    poles of r'' = wn^2 (r_cmd + trim - r) - r' / T, wn^2 = 1 / (yaw_lag T), to YAW_OBSERVER_POLE."""
-    p, decay, wn2 = YAW_OBSERVER_POLE, 1.0 / YAW_TORQUE_LAG, 1.0 / (yaw_lag * YAW_TORQUE_LAG)
+    poles of r'' = wn^2 (r_cmd + trim - r) - r' / theta, wn^2 = 1 / (yaw_lag theta), to YAW_OBSERVER_POLE. ``yaw_lag``,
+    ``torque_lag`` (theta): s."""
+    p, decay, wn2 = YAW_OBSERVER_POLE, 1.0 / torque_lag, 1.0 / (yaw_lag * torque_lag)
     l1 = 3.0 * p - decay
     return l1, 3.0 * p * p - decay * l1 - wn2, p**3 / wn2
 
 
 def correct_with_gyro(
-    rate_loop_state: RateLoopState, measured_b: Vec3, dt: float, yaw_lag: float = YAW_LAG
+    rate_loop_state: RateLoopState, measured_b: Vec3, dt: float, rate_loop: RateLoop
 ) -> RateLoopState:
-    """The observer's correction by the gyro (rad/s), ``dt`` s after the last one. ``yaw_lag``: s."""
+    """The observer's correction by the gyro (rad/s), ``dt`` s after the last one."""
     near = 1.0 - math.exp(-dt / GYRO_TIME)
     far = min(GYRO_ACCELERATION_GAIN * dt, GYRO_ACCELERATION_GAIN_MAX)
     (p, q, r), (pd, qd, rd), specific_thrust, trim = rate_loop_state
     ip, iq, ir = measured_b[0] - p, measured_b[1] - q, measured_b[2] - r
     h = min(dt, GYRO_STEP_MAX)
-    l1, l2, l3 = yaw_observer(yaw_lag)
+    l1, l2, l3 = yaw_observer(rate_loop.yaw_lag, rate_loop.yaw_torque_lag)
     return RateLoopState(
         (p + near * ip, q + near * iq, r + l1 * h * ir),
         (pd + far * ip, qd + far * iq, rd + l2 * h * ir),

@@ -31,6 +31,7 @@ from companion.estimation.rate_loop_model import (
     TimedCommand,
     correct_with_gyro,
     propagate,
+    propagate_yaw,
 )
 from companion.estimation.yaw_loop_identification import (
     YawLoopEstimate,
@@ -69,8 +70,8 @@ def begin_estimate(
     hovering = gravity / (max(state.r_nb[8], UPRIGHT_MIN) * motion.estimator.belief.thrust_scale)
     identification = initial_rate_loop_estimate(lag, state.w_b, rate_loop.lag)
     rate_loop_state = RateLoopState(state.w_b, (0.0, 0.0, 0.0), hovering)
-    yaw_loop = initial_yaw_loop_estimate(state.w_b[2], rate_loop.yaw_lag)
-    used = _rate_loop_of(identification, rate_loop.motor_lag, rate_loop.yaw_lag)
+    yaw_loop = initial_yaw_loop_estimate(state.w_b[2], rate_loop.yaw_lag, rate_loop.yaw_torque_lag)
+    used = _rate_loop_of(identification, rate_loop.motor_lag, yaw_loop)
     return VehicleEstimate(motion, rate_loop_state, identification, yaw_loop, used)
 
 
@@ -92,7 +93,7 @@ def advance_estimate(
     somewhere."""
     before, now = estimate.motion.state.t_boot, state.t_boot
     rate_loop_state, thrust = propagate(estimate.rate_loop_state, estimate.rate_loop, commands, before, now)
-    rate_loop_state = correct_with_gyro(rate_loop_state, state.w_b, now - before, estimate.rate_loop.yaw_lag)
+    rate_loop_state = correct_with_gyro(rate_loop_state, state.w_b, now - before, estimate.rate_loop)
     motion, at_once = advance_motion(estimate.motion, thrust, state, limited, moving)
     estimate = VehicleEstimate(motion, rate_loop_state, estimate.identification, estimate.yaw_loop, estimate.rate_loop)
     return learn_pending(estimate, commands) if at_once else estimate
@@ -113,8 +114,8 @@ def learn_pending(estimate: VehicleEstimate, commands: Commands) -> VehicleEstim
     else:
         found = update_rate_loop_estimate(estimate.identification, motor_lag, commands, state.t_boot, state.w_b)
         yaw_loop = update_yaw_loop_estimate(estimate.yaw_loop, commands, state.t_boot, state.w_b[2])
-    if found.lags != estimate.identification.lags or yaw_loop.lag != estimate.yaw_loop.lag:
-        rate_loop = _rate_loop_of(found, motor_lag, yaw_loop.lag)
+    if found.lags != estimate.identification.lags or yaw_loop.unknowns is not estimate.yaw_loop.unknowns:
+        rate_loop = _rate_loop_of(found, motor_lag, yaw_loop)
     return VehicleEstimate(motion, estimate.rate_loop_state, found, yaw_loop, rate_loop)
 
 
@@ -134,6 +135,12 @@ def predict_vehicle(estimate: VehicleEstimate, commands: Commands, horizon: floa
     )
 
 
-def _rate_loop_of(found: RateLoopEstimate, motor_lag: float, yaw_lag: float) -> RateLoop:
+def predict_yaw(estimate: VehicleEstimate, commands: Commands, horizon: float) -> tuple[float, float]:
+    """Its yaw rate (rad/s) and the derivative of that (rad/s^2) ``horizon`` s after the last state."""
+    at = estimate.motion.state.t_boot
+    return propagate_yaw(estimate.rate_loop_state, estimate.rate_loop, commands, at, at + horizon)
+
+
+def _rate_loop_of(found: RateLoopEstimate, motor_lag: float, yaw_loop: YawLoopEstimate) -> RateLoop:
     roll, pitch = found.lags
-    return RateLoop((round(roll, 3), round(pitch, 3)), motor_lag, round(yaw_lag, 2))
+    return RateLoop((round(roll, 3), round(pitch, 3)), motor_lag, round(yaw_loop.lag, 2), round(yaw_loop.torque_lag, 2))

@@ -75,7 +75,6 @@ def quantities(asked: Demand, vehicle: Vehicle) -> list[Quantity]:
     none = math.inf
     weight = vehicle.weight
     rates = (none, none, none) if limits is None else limits.body_rates
-    yaw_rate = none if limits is None else min(rates[2], bounds.yaw_rate)
     result = [
         Quantity(
             "thrust_n",
@@ -87,10 +86,10 @@ def quantities(asked: Demand, vehicle: Vehicle) -> list[Quantity]:
         Quantity("tilt_deg", np.degrees(asked.tilt), 0.0, -none, math.degrees(tilt_limit(vehicle))),
     ]
     result += _motors(asked.motors, vehicle)
-    for axis, limit, values in zip(("roll", "pitch", "yaw"), (*rates[:2], yaw_rate), asked.rates, strict=True):
+    for axis, limit, values in zip(("roll", "pitch", "yaw"), rates, asked.rates, strict=True):
         high = math.degrees(limit)
         result.append(Quantity("body_rate_dps", np.degrees(values), 0.0, -high, high, axis))
-    high = math.degrees(yaw_rate)
+    high = math.degrees(rates[2])
     result.append(Quantity("yaw_rate_dps", np.degrees(asked.yaw_rate), 0.0, -high, high))
     high = none if limits is None else math.degrees(bounds.yaw_acceleration)
     result.append(Quantity("yaw_acceleration_dps2", np.degrees(asked.yaw_acceleration), 0.0, -high, high))

@@ -15,6 +15,13 @@ from companion.calculus.vectors import Vector
 from companion.law.closest import Closest, projected
 from companion.law.gains import Gains, Level
 from companion.law.implicit import Outputs
+from companion.vehicle import Limits, Vehicle
+
+BOUNDED_POLE = 5.5
+"""1/s: up to such poles of h1 and h2 the whole path error of Bounds counts. Simulated on sih at -6: after a jump of
+3 m the vehicle tilts by 45 deg, and by 50 if the whole counts."""
+YAW_RETURN_RATE = 1.5
+"""rad/s at which a heading error is turned out at most. Engineering choice."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,19 +29,31 @@ class Bounds:
     """How large an error the law may see, and how hard it may turn the vehicle.
 
     ``path_error``: m; errors beyond are used as if they were this large. Simulated: with 1.5 the tilt stays below 43
-    deg from 22 m off. ``speed_error``: m/s, likewise. ``yaw_rate``: rad/s and ``yaw_acceleration``: rad/s^2; holding a
-    heading at a steep tilt must not take the thrust that carries the vehicle. Simulated: without them a figure-eight at
-    4 m/s and 60 deg was lost on a mixer that gives yaw its full share. ``yaw_divisor``: the least |R22| (of a twist,
-    1 + R22) used where the yaw channel divides by it (78 deg of tilt); the path is followed either way. ``q_min``: the
-    least share of Q, the nearness of the evolute (see ``closest``). All engineering choices.
+    deg from 22 m off. ``speed_error``: m/s, likewise. ``yaw_return_rate``: rad/s at which a heading error is turned
+    out. ``yaw_rate``: rad/s, the most at the level of rates, the heading's own turning included; the vehicle's limit.
+    ``yaw_acceleration``: rad/s^2; holding a heading at a steep tilt must not take the thrust that carries the vehicle.
+    Simulated at motors: without it a figure-eight at 4 m/s and 60 deg was lost on a mixer that gives yaw its full
+    share; at rates the torque is limited where it is known (``steering.yaw``). ``yaw_divisor``: the least |R22| (of a
+    twist, 1 + R22) used where the yaw channel divides by it (78 deg of tilt); the path is followed either way.
+    ``q_min``: the least share of Q, the nearness of the evolute (see ``closest``). All engineering choices.
     """
 
     path_error: float = 1.5
     speed_error: float = 2.0
-    yaw_rate: float = 1.5
+    yaw_return_rate: float = YAW_RETURN_RATE
+    yaw_rate: float = Limits().body_rates[2]
     yaw_acceleration: float = 10.0
     yaw_divisor: float = 0.2
     q_min: float = 0.25
+
+
+def bounds_of(vehicle: Vehicle, path_pole: float | None = None) -> Bounds | None:
+    """Those of a vehicle; None where it has no limits. ``path_pole``: 1/s, of h1 and h2 where it was chosen: what an
+    error at rest asks for grows with its square, so the error that counts shrinks."""
+    if vehicle.limits is None:
+        return None
+    shrink = 1.0 if path_pole is None else min(1.0, (BOUNDED_POLE / path_pole) ** 2)
+    return Bounds(path_error=shrink * Bounds().path_error, yaw_rate=vehicle.limits.body_rates[2])
 
 
 def clamped(value: Scalar, limit: float) -> Scalar:
@@ -125,13 +144,16 @@ def wanted_heading_acceleration(
     """psi'' = beta'' - k_1 (psi' - beta') - k_0 wrap(psi - beta) (level of motors)."""
     error = wrap(psi - beta.derivative(0))
     if bounds is not None:
-        error = clamped(error, bounds.yaw_rate * gains.h4[1] / gains.h4[0])
+        error = clamped(error, bounds.yaw_return_rate * gains.h4[1] / gains.h4[0])
     return beta.derivative(2) + linear(gains.h4, (error, psi_dot - beta.derivative(1)))
 
 
-def wanted_heading_rate(psi: Scalar, beta: Taylor, gains: Gains) -> Scalar:
+def wanted_heading_rate(psi: Scalar, beta: Taylor, gains: Gains, bounds: Bounds | None) -> Scalar:
     """psi' = beta' - k_0 wrap(psi - beta) (level of rates)."""
-    return beta.derivative(1) + linear(gains.h4, (wrap(psi - beta.derivative(0)),))
+    error = wrap(psi - beta.derivative(0))
+    if bounds is not None:
+        error = clamped(error, bounds.yaw_return_rate / gains.h4[0])
+    return beta.derivative(1) + linear(gains.h4, (error,))
 
 
 def yaw_divisor(by_r: Scalar, bounds: Bounds | None) -> Scalar:

@@ -65,7 +65,7 @@ def finish_step(
             w_dot.z = clamped(w_dot.z, bounds.yaw_acceleration)
         turn = torques(model, motion.w, w_dot)
     else:
-        psi_dot = wanted_heading_rate(psi, beta, gains)
+        psi_dot = wanted_heading_rate(psi, beta, gains, bounds)
         zeta_derivative, turn = body_rates(model, motion, wanted.derivative, A, psi_dot, rate, divisor)
         if bounds is not None:
             turn.z = clamped(turn.z, bounds.yaw_rate)

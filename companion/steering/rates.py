@@ -32,6 +32,7 @@ from companion.estimation.vehicle_estimate import (
     begin_estimate,
     learn_pending,
     predict_vehicle,
+    predict_yaw,
     restart_estimate,
 )
 from companion.frames import Heading, Quaternion, Vec3, rotation_matrix
@@ -67,13 +68,14 @@ from companion.steering.timing import Timing
 from companion.steering.yaw import (
     USUAL_THRUST_PER_RATE,
     ThrustPerRate,
-    YawMemory,
     YawRequest,
     compensate_yaw,
-    update_derivative,
+    look_ahead,
+    request_yaw_ahead,
+    torque_delay,
+    update_yaw_ahead,
     yaw_authority,
     yaw_loop,
-    yaw_rate_derivative,
 )
 from companion.thrust_range import ThrustRange
 from companion.vehicle import Setpoint, Vehicle, VehicleState
@@ -124,8 +126,7 @@ class RateSteering:
         yaw_rate = self._compensate_yaw(memory, command, predicted, thrust, capability, timing)
         rates = self._limit_rates(memory, command, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
-        # every other step is often enough for a derivative
-        pending = None if memory.yaw.requested else YawRequest(flying, command, aim, dt)
+        yaw = request_yaw_ahead(memory.yaw, self._yaw_request(memory, flying, command, aim, timing, dt))
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
         memory = RateMemory(
@@ -133,7 +134,7 @@ class RateSteering:
             commands=(*memory.commands, TimedCommand(at, rates.meant, thrust.specific)),
             zeta=thrust.zeta,
             governor=governor,
-            yaw=YawMemory(memory.yaw.derivative, pending, pending is not None),
+            yaw=yaw,
             poles=update_path_poles(memory.poles, self.pole_choice, rates.sent, dt, along=isinstance(aim, Along)),
             delay=memory.delay,
             limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
@@ -143,15 +144,13 @@ class RateSteering:
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
-        # the filter may have taken the state in at once; the derivative is due all the same
+        # the filter may have taken the state in at once; what is ahead is due all the same
         estimate, yaw, vehicle = memory.estimate, memory.yaw, self.vehicle
         if estimate.motion.pending is None and yaw.pending is None:
             return memory
         if yaw.pending is not None:
-            derivative = yaw_rate_derivative(
-                yaw.pending, self._ask, vehicle.gravity, vehicle.mass, self.yaw_gain, self.heading
-            )
-            yaw = update_derivative(yaw, derivative, yaw.pending.dt)
+            ahead = look_ahead(yaw.pending, self._ask, vehicle.gravity, vehicle.mass, self.yaw_gain, self.heading)
+            yaw = update_yaw_ahead(yaw, ahead, yaw.pending.dt)
         return memory._replace(estimate=learn_pending(estimate, memory.commands), yaw=yaw)
 
     def level_setpoint(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
@@ -232,12 +231,22 @@ class RateSteering:
         capability: Capability, timing: Timing,
     ) -> float:  # fmt: skip
         """Yaw compensation: the yaw rate to command (rad/s)."""
-        (p, q, wanted), (wp, wq, wr) = command.turn, predicted.w_b
+        (p, q, wanted), (wp, wq, _) = command.turn, predicted.w_b
         most = self.vehicle.mass * capability.specific_thrust
-        authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, abs(p - wp) + abs(q - wq), self.per_rate)
-        loop = yaw_loop(memory.estimate.rate_loop.yaw_lag, timing.lag, timing.smoothing)
+        more, derivative = memory.yaw.ahead
+        loop = yaw_loop(memory.estimate.rate_loop, timing.lag, timing.smoothing)
+        tilt_rate_error = abs(p - wp) + abs(q - wq)
+        authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, tilt_rate_error, self.per_rate, loop.torque_lag)
+        r, r_dot = predict_yaw(memory.estimate, memory.commands, timing.delay + timing.hold)
         trim = memory.estimate.rate_loop_state.yaw_trim
-        return compensate_yaw(loop, wanted, memory.yaw.derivative, wr, trim, authority)
+        return compensate_yaw(loop, wanted + more, derivative, r, r_dot, trim, authority)
+
+    def _yaw_request(
+        self, memory: RateMemory, flying: Flying, command: Command, aim: Aim, timing: Timing, dt: float
+    ) -> YawRequest:
+        """From where the law is looked ahead: to the time at which the yaw torque of the step comes that uses it."""
+        late = torque_delay(memory.estimate.rate_loop.yaw_torque_lag) - timing.lag
+        return YawRequest(flying, command, aim, dt, late)
 
     def _limit_rates(self, memory: RateMemory, command: Command, yaw_rate: float, timing: Timing) -> LimitedRates:
         """Relax, limits: body rates. The rate loop of a vehicle that is restrained must not wind up. Not relaxed, poles

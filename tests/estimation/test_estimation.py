@@ -94,7 +94,7 @@ def test_the_gyro_corrects_the_model_without_swinging() -> None:
         rate_loop_state, commands = RateLoopState((1.0, -1.0, 0.5), (20.0, 0.0, 0.0), G), (TimedCommand(0.0, STILL, G),)
         for k in range(500):
             rate_loop_state, _ = propagate(rate_loop_state, SIH, commands, k * dt, (k + 1) * dt)
-            rate_loop_state = correct_with_gyro(rate_loop_state, STILL, dt)
+            rate_loop_state = correct_with_gyro(rate_loop_state, STILL, dt, SIH)
             assert max(map(abs, rate_loop_state.w_b)) < 1.5
         assert max(map(abs, rate_loop_state.w_b)) < 1e-3
 
@@ -104,7 +104,7 @@ def test_a_yaw_loop_that_falls_short_is_trimmed() -> None:
     rate_loop_state, commands = RateLoopState(STILL, STILL, G), (TimedCommand(0.0, (0.0, 0.0, 1.0), G),)
     for k in range(300):
         rate_loop_state, _ = propagate(rate_loop_state, SIH, commands, k * 0.01, (k + 1) * 0.01)
-        rate_loop_state = correct_with_gyro(rate_loop_state, (0.0, 0.0, 0.8), 0.01)
+        rate_loop_state = correct_with_gyro(rate_loop_state, (0.0, 0.0, 0.8), 0.01, SIH)
     assert rate_loop_state.yaw_trim == pytest.approx(-0.2, abs=1e-3)
     assert rate_loop_state.w_b[2] == pytest.approx(0.8, abs=1e-3)
 

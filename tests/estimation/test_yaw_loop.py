@@ -14,10 +14,13 @@ from companion.estimation.rate_loop_model import (
     TimedCommand,
     alike,
     propagate,
+    propagate_yaw,
     yaw_observer,
 )
 from companion.estimation.yaw_loop_identification import (
+    INTEGRAL_OVER_PROPORTIONAL,
     LAG_RATIO_RANGE,
+    YawLoopEstimate,
     initial_yaw_loop_estimate,
     update_yaw_loop_estimate,
 )
@@ -27,46 +30,70 @@ from companion.vehicle import Tuning
 STILL = (0.0, 0.0, 0.0)
 
 
-def found(true: float, swing: float, seconds: float = 12.0) -> float:
-    """The lag after so long of turning to and fro by ``swing`` rad/s, as round a figure-eight."""
+def found(true: float, swing: float, seconds: float = 12.0, torque_lag: float = 0.12) -> YawLoopEstimate:
+    """What is known after so long of turning to and fro by ``swing`` rad/s, as round a figure-eight; the loop has PX4's
+    integral."""
     rng = random.Random(2)
-    state, known = RateLoopState(STILL, STILL, 9.8, yaw_trim=0.2), initial_yaw_loop_estimate(0.0)
+    r, r_dot, integral, known = 0.0, 0.0, 0.2, initial_yaw_loop_estimate(0.0)
     commands: tuple[TimedCommand, ...] = (TimedCommand(0.0, STILL, 9.8),)
     for k in range(int(seconds / 0.008)):
         t = 0.008 * k
         wanted = swing * (math.sin(1.9 * t) + 0.6 * math.sin(4.1 * t + 1.0))
         commands = (*commands[-20:], TimedCommand(t, (0.0, 0.0, wanted), 9.8))
-        state, _ = propagate(state, alike(0.07, 0.05, true), commands, t, t + 0.008)
-        known = update_yaw_loop_estimate(known, commands, t + 0.008, state.w_b[2] + rng.gauss(0.0, 0.03))
-    return known.lag
+        for _ in range(4):
+            integral += 0.002 * INTEGRAL_OVER_PROPORTIONAL * (wanted - r)
+            r_dot += 0.002 * ((wanted - r + integral) / true - r_dot) / torque_lag
+            r += 0.002 * r_dot
+        known = update_yaw_loop_estimate(known, commands, t + 0.008, r + rng.gauss(0.0, 0.03))
+    return known
 
 
 @pytest.mark.parametrize("true", [0.22, 0.33, 0.43, 0.7])
-def test_a_strong_and_a_weak_yaw_are_found(true: float) -> None:
-    assert found(true, 0.8) == pytest.approx(true, rel=0.1)
+@pytest.mark.parametrize("torque_lag", [0.09, 0.15])
+def test_a_strong_and_a_weak_yaw_are_found_and_the_lag_of_its_torque(true: float, torque_lag: float) -> None:
+    known = found(true, 0.8, torque_lag=torque_lag)
+    assert known.lag == pytest.approx(true, rel=0.1)
+    assert known.torque_lag == pytest.approx(torque_lag, abs=0.02)
 
 
 def test_a_nose_that_stays_teaches_nothing() -> None:
-    assert found(0.25, 0.0) == pytest.approx(YAW_LAG, rel=0.01)
+    known = found(0.25, 0.0)
+    assert known.lag == pytest.approx(YAW_LAG, rel=0.01)
+    assert known.torque_lag == pytest.approx(YAW_TORQUE_LAG)
 
 
 def test_none_is_sought_that_no_vehicle_has() -> None:
-    assert found(2.0, 0.8, seconds=25.0) == pytest.approx(LAG_RATIO_RANGE[1] * YAW_LAG, rel=0.02)
+    assert found(2.0, 0.8, seconds=25.0).lag == pytest.approx(LAG_RATIO_RANGE[1] * YAW_LAG, rel=0.02)
+
+
+def test_a_gap_begins_anew_and_keeps_what_was_found() -> None:
+    known = found(0.25, 0.8)
+    later = update_yaw_loop_estimate(known, (TimedCommand(0.0, STILL, 9.8),), known.at + 1.0, 0.3)
+    assert (later.unknowns, later.ran, later.rate) == (known.unknowns, 0.0, (0.3, 0.3, 0.3))
+    assert update_yaw_loop_estimate(later, (TimedCommand(0.0, STILL, 9.8),), later.at, 0.3) is later
 
 
 @pytest.mark.parametrize("lag", [0.2, 0.43, 0.8])
 def test_the_observers_poles_are_where_they_are_meant_to_be(lag: float) -> None:
-    """s^3 + (l1 + a) s^2 + (l1 a + l2 + w) s + l3 w = (s + 8)^3, a = 1/T and w = 1/(lag T)."""
-    l1, l2, l3 = yaw_observer(lag)
+    """s^3 + (l1 + a) s^2 + (l1 a + l2 + w) s + l3 w = (s + 8)^3, a = 1/theta and w = 1/(lag theta)."""
+    l1, l2, l3 = yaw_observer(lag, YAW_TORQUE_LAG)
     a, w = 1.0 / YAW_TORQUE_LAG, 1.0 / (lag * YAW_TORQUE_LAG)
     assert (l1 + a, l1 * a + l2 + w, l3 * w) == pytest.approx((24.0, 192.0, 512.0))
 
 
+def test_yaw_alone_is_predicted_as_the_whole() -> None:
+    state = RateLoopState((0.1, 0.2, 0.3), (0.0, 0.0, 1.0), 9.8, yaw_trim=0.2)
+    commands = (TimedCommand(0.0, (0.0, 0.0, 0.5), 9.8), TimedCommand(0.03, (0.0, 0.0, -0.5), 9.8))
+    loop = alike(0.07, 0.05, 0.3)
+    whole, _ = propagate(state, loop, commands, 0.0, 0.1)
+    assert propagate_yaw(state, loop, commands, 0.0, 0.1) == pytest.approx((whole.w_b[2], whole.w_dot_b[2]))
+    assert propagate_yaw(state, loop, commands, 0.0, 0.0) == (0.3, 1.0)
+
+
 def test_a_weak_yaw_is_led_further_and_its_gain_says_what_the_motors_have_for_it() -> None:
-    weak, usual, strong = (yaw_loop(lag, 0.07, 0.0) for lag in (0.7, YAW_LAG, 0.22))
+    weak, usual, strong = (yaw_loop(alike(0.07, 0.05, lag), 0.07, 0.0) for lag in (0.7, YAW_LAG, 0.22))
     assert weak.lag > usual.lag > strong.lag > 0.0
-    assert usual.lag == pytest.approx(0.36 - 0.07, abs=0.005)
-    assert usual_yaw_lag(0.06) == pytest.approx(0.42) and usual_yaw_lag(0.0) < 0.05
+    assert usual_yaw_lag(0.06) == pytest.approx(YAW_LAG) and usual_yaw_lag(0.0) < 0.05
     assert thrust_per_rate(Tuning()) == USUAL_THRUST_PER_RATE
     told = thrust_per_rate(Tuning(roll_rate_p=0.3, yaw_rate_p=0.1, yaw_rate_k=3.0))
     assert told.yaw == pytest.approx(0.3) and told.tilt == pytest.approx(2.0 * USUAL_THRUST_PER_RATE.tilt)

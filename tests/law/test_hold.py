@@ -17,11 +17,14 @@ from companion.frames import (
     tilt,
 )
 from companion.law.errors import LawError
-from companion.law.feedback import Bounds
-from companion.law.flight import Flying
+from companion.law.feedback import YAW_RETURN_RATE, Bounds
+from companion.law.flight import Flying, curve_law
 from companion.law.gains import Level, default_gains
 from companion.law.hold import HoldLaw, hold_law
 from companion.law.motion import Model
+from companion.law.speed_scale import SpeedScale
+from companion.paths.round import circle
+from companion.profiles import ConstantSpeed, TangentYaw
 from companion.vehicle import VehicleState
 
 MODEL = Model(1.5, Vector(0.02, 0.02, 0.04), 9.81, 0.0)
@@ -66,6 +69,25 @@ def test_bounds_change_nothing_near_the_point(level: Level) -> None:
     bounded, linear = law_at(level, Bounds())(flying, PLACE, YAW), law_at(level)(flying, PLACE, YAW)
     assert bounded.turn == pytest.approx(linear.turn)
     assert bounded.zeta_derivative == pytest.approx(linear.zeta_derivative)
+
+
+@pytest.mark.parametrize("error", [-3.0, -0.8, 0.8, 3.0])
+def test_a_heading_error_is_turned_out_slowly(error: float) -> None:
+    command = law_at(Level.RATES, Bounds(yaw_rate=3.5))(hovering(yaw=YAW + error), PLACE, YAW)
+    assert command.turn[2] == pytest.approx(-math.copysign(YAW_RETURN_RATE, error))
+
+
+@pytest.mark.parametrize(("most", "flown"), [(3.5, 2.5), (1.2, 1.2)])
+def test_a_path_turns_the_nose_as_quickly_as_the_vehicle_may(most: float, flown: float) -> None:
+    """Along a bend of 2 m at 5 m/s, upright: 2.5 rad/s."""
+    gains, bounds = default_gains(Level.RATES), Bounds(yaw_rate=most)
+    bend = circle((0.0, 0.0, -10.0), 2.0, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
+    law = curve_law(bend, ConstantSpeed(5.0), TangentYaw(), Level.RATES, MODEL, gains, bounds, 1.0)
+    x, y, z = law.curve.table.at(0.0)[0]
+    tangent = law.curve.table.at(0.0)[1]
+    heading = math.atan2(tangent[1], tangent[0])
+    flying = hovering((x, y, z), (5.0 * tangent[0], 5.0 * tangent[1], 0.0), heading)
+    assert abs(law(flying, SpeedScale()).turn[2]) == pytest.approx(flown, rel=1e-3)
 
 
 def extrapolate(state: VehicleState, a_n: Vec3, w_dot_b: Vec3, h: float) -> VehicleState:

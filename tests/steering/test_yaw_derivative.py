@@ -1,4 +1,4 @@
-"""The derivative of the yaw rate that the law asks for is taken whether or not the filter has waited for it."""
+"""The yaw rate that the law will ask for is looked for whether or not the filter has waited for it."""
 
 from __future__ import annotations
 
@@ -31,6 +31,6 @@ def test_it_is_taken_of_every_other_state(jumps: bool) -> None:
         memory = steering.learn(memory)
         assert memory.yaw.pending is None
         assert steering.learn(memory) is memory
-        derivatives.append(memory.yaw.derivative)
+        derivatives.append(memory.yaw.ahead)
     assert requested == 4
     assert len(set(derivatives)) == 4

@@ -19,7 +19,6 @@ from companion.plan import Plan
 from companion.steering.rate_memory import RateMemory
 from companion.steering.rates import RateSteering
 from companion.steering.steering import Aim, Along, Steered
-from companion.steering.yaw import DERIVATIVE_STEP
 from companion.vehicle import Setpoint, VehicleState
 from trials.rivals.course import Course, Moment
 
@@ -65,7 +64,10 @@ class Tracker:
 
     def learn(self, memory: TrackerMemory) -> TrackerMemory:
         """See Steering."""
-        return memory._replace(rates=self._for(memory.acts + DERIVATIVE_STEP).learn(memory.rates))
+        pending = memory.rates.yaw.pending
+        step = 0.0 if pending is None else pending.step
+        law = TrackingAhead(self.course, memory.acts, step, self.rates)
+        return memory._replace(rates=dataclasses.replace(self.rates, law=law).learn(memory.rates))
 
     def _for(self, t: float) -> RateSteering:
         """The law's steering, asking for the moment ``t`` of the timetable."""
@@ -125,6 +127,19 @@ class Tracking:
             beta=0.0,
             regularity=1.0,
         )
+
+
+class TrackingAhead:
+    """The same in one step after another of ``step`` s, from the moment ``t`` (s) of the timetable on: the yaw rate is
+    looked ahead for in steps."""
+
+    def __init__(self, course: Course, t: float, step: float, rates: RateSteering) -> None:
+        self._course, self._t, self._step, self._rates = course, t, step, rates
+
+    def __call__(self, flying: Flying, ramp: SpeedScale) -> Command:
+        """See Law."""
+        self._t += self._step
+        return Tracking(self._course.at(self._t), self._rates)(flying, ramp)
 
 
 def _sum(*terms: tuple[float, Vec3]) -> Vec3:
