@@ -7,7 +7,8 @@ path are rough by n, with poles at -L_h, those that keep the roughness at ROUGHN
 n). Poles that a mission writes stay as written.
 
 Noise is told from motion by the second differences of what is commanded, 8 ms apart: there a bend is next to nothing
-beside noise that is new at every state.
+beside noise that is new at every state. It is told from jumps, those of taking over and of an estimate that is reset,
+by their mean size, not their square, each counted no larger than JUMP.
 """
 
 from __future__ import annotations
@@ -18,9 +19,14 @@ from typing import NamedTuple
 from companion.frames import Vec3
 
 ROUGHNESS_MOST = math.radians(3.5)
-"""rad/s, of roll and pitch rate commanded, RMS of second differences over sqrt(6). Simulated on sih_noisy: at
+"""rad/s, of roll and pitch rate commanded: their noise, by second differences over sqrt(6). Simulated on sih_noisy: at
 -6 it is 1.7 to 1.9 deg/s, and slower poles cost more of the path (3.2 cm at -4, not 2.4) than the noise is worth; twice
 that comes to this."""
+JUMP = 3.0 * ROUGHNESS_MOST
+"""rad/s: a larger one is counted as this large. Simulated on sih_noisy: taking over jumps by up to 60 deg/s and a reset
+by 50, between which commands are rough by 1 deg/s; squared, they slowed the poles of every fourth flight."""
+MEAN_SIZE = 0.5 * math.sqrt(math.pi)
+"""Ratio of the mean size of two normal numbers, sqrt((p^2 + q^2) / 2), to their standard deviation. By definition."""
 ROUGHNESS_TIME = 2.0
 """s over which it is averaged. Engineering choice."""
 KNOWN_AFTER = 1.0
@@ -35,7 +41,7 @@ SECOND_DIFFERENCE = 6.0
 
 class PathPoles(NamedTuple):
     """``scale``: on the poles that the law was recorded with. ``begun``: whether a path is flown: from then on they are
-    only lowered. ``roughness``: rad/s, mean square over ROUGHNESS_TIME. ``known``: s of commands in it. ``last``,
+    only lowered. ``roughness``: rad/s, mean over ROUGHNESS_TIME. ``known``: s of commands in it. ``last``,
     ``before``: rad/s, the last two commands."""
 
     scale: float = 1.0
@@ -76,7 +82,7 @@ def update_path_poles(poles: PathPoles, choice: PoleChoice, rates_b: Vec3, dt: f
 
 def _ratio(poles: PathPoles) -> float:
     """What the poles must be multiplied with to be as rough as may be."""
-    return math.sqrt(ROUGHNESS_MOST / max(math.sqrt(poles.roughness), 1e-9))
+    return math.sqrt(ROUGHNESS_MOST / max(poles.roughness, 1e-9))
 
 
 def _observe(poles: PathPoles, rates_b: Vec3, dt: float) -> PathPoles:
@@ -84,7 +90,7 @@ def _observe(poles: PathPoles, rates_b: Vec3, dt: float) -> PathPoles:
     if last is None or before is None or not 0.0 < dt < STEP_MAX:
         return poles._replace(last=rates_b, before=last)
     p, q = rates_b[0] - 2.0 * last[0] + before[0], rates_b[1] - 2.0 * last[1] + before[1]
-    square = 0.5 * (p * p + q * q) / SECOND_DIFFERENCE
+    size = min(math.sqrt(0.5 * (p * p + q * q) / SECOND_DIFFERENCE), JUMP)
     k = dt / min(ROUGHNESS_TIME, poles.known + dt)
-    roughness = poles.roughness + k * (square - poles.roughness)
+    roughness = poles.roughness + k * (size / MEAN_SIZE - poles.roughness)
     return PathPoles(poles.scale, poles.begun, roughness, poles.known + dt, rates_b, last)

@@ -50,6 +50,17 @@ def test_noise_before_the_path_chooses_slower_ones(times: float) -> None:
     assert begun.begun and begun.scale == pytest.approx(max(5.0 / 6.0 / math.sqrt(times), 4.0 / 6.0), rel=0.06)
 
 
+@pytest.mark.parametrize("jump", [0.5, 5.0])
+def test_jumps_before_the_path_are_no_noise(jump: float) -> None:
+    """Taking over shakes for 0.15 s, and half a second later the estimate is reset; the rest is quiet."""
+    poles, rates = flown(PathPoles(), 0.25, 0.15, along=False)[-1], (0.0, 0.0, 0.0)
+    for k in range(round(1.5 / DT)):
+        rates = (jump, -jump, 0.0) if k > 60 else (0.0, 0.0, 0.0)
+        poles = update_path_poles(poles, AUTO, rates, DT, along=False)
+    assert poles.known > KNOWN_AFTER
+    assert update_path_poles(poles, AUTO, rates, DT, along=True).scale == 1.0
+
+
 def test_on_the_path_they_are_only_lowered_and_take_their_time() -> None:
     start = update_path_poles(flown(PathPoles(), 0.0005, 2.0, along=False)[-1], AUTO, (0.0, 0.0, 0.0), DT, along=True)
     loud = flown(start, 4.0 * ROUGHNESS_MOST, 12.0, along=True)
