@@ -11,12 +11,16 @@ from __future__ import annotations
 import dataclasses
 import math
 import random
+from functools import cache
 from typing import NamedTuple
 
+from companion.feasibility.demand import compute_demand
+from companion.feasibility.stations import Stations, places, stations_along
 from companion.mission import Mission
 from companion.profiles.yaw import TangentYaw
 from companion.vehicle import GRAVITY, Vehicle
 from companion.world import Deviations, World
+from sim_bridge.rigid_body import true_vehicle
 from trials.measured import Measured, course, machine, measure_flight, world
 
 YAW_RATE_MAX = math.radians(200.0)
@@ -74,8 +78,23 @@ def eight(speed: float = 3.0) -> Mission:
     return dataclasses.replace(course("figure8", speed), yaw=TangentYaw())
 
 
+@cache
+def _stations() -> Stations:
+    mission = eight()
+    return stations_along(mission, places(mission))
+
+
+def motor_share(airframe: Airframe) -> float:
+    """The largest share of any motor's range that the figure-eight asks for, flown exactly by the true machine in its
+    wind: beyond 1 the yaw torque does not allow it, as ``companion check`` has it."""
+    machine_ = true_vehicle(airframe.told, airframe.where.truth)
+    asked = compute_demand(dataclasses.replace(_stations(), wind_n=airframe.where.wind_n), machine_)
+    return float(asked.motors.max())
+
+
 def flown(seed: int, *, circle: bool = False, duration: float = 25.0, settle: float = 15.0) -> Measured:
-    """The flight of a seed: the figure-eight with its nose along the path, or the circle at 3 m/s."""
+    """The flight of a seed: the figure-eight with its nose along the path, or the circle at 3 m/s; errors from
+    ``settle`` s of following on."""
     airframe = drawn(seed)
     mission = course("circle_r5", 3.0) if circle else eight()
     return measure_flight(mission, airframe.told, airframe.where, seed=seed, duration=duration, settle=settle)

@@ -1,4 +1,5 @@
-"""Unknown airframes with rough files, sensors that shake and wind: some of those that bench.airframes flies."""
+"""Unknown airframes with rough files, sensors that shake and wind: a seeded twentieth of those that bench.airframes
+flies."""
 
 from __future__ import annotations
 
@@ -6,16 +7,28 @@ import math
 
 import pytest
 
-from trials.airframes import drawn, flown
+from trials.airframes import drawn, flown, motor_share
 
-PATH_MOST, YAW_MOST = 0.06, math.radians(4.0)
-"""m and rad RMS, believed, on the figure-eight at 3 m/s with its nose along the path, from 12 s of following on."""
+SEEDS = range(0, 200, 20)
+PATH_MOST, PATH_USUAL = 0.06, 0.03
+"""m RMS, believed, on the circle at 3 m/s from 15 s of following on: all, and 95 % of them."""
+YAW_MOST = math.radians(3.0)
+"""rad RMS, believed, on the figure-eight at 3 m/s with its nose along the path, wherever the yaw torque allows it."""
 
 
-@pytest.mark.parametrize("seed", range(0, 10, 2))
-def test_an_airframe_that_nobody_knows_holds_path_and_nose(seed: int) -> None:
-    result = flown(seed, duration=18.0, settle=12.0)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_an_airframe_that_nobody_knows_holds_its_path(seed: int) -> None:
+    result = flown(seed, circle=True)
+    assert result.reason is None, drawn(seed).words()
+    assert result.believed is not None
+    assert result.believed.path < PATH_USUAL, drawn(seed).words()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_an_airframe_that_nobody_knows_holds_its_nose_along_the_path(seed: int) -> None:
+    result = flown(seed)
     assert result.reason is None, drawn(seed).words()
     assert result.believed is not None
     assert result.believed.path < PATH_MOST, drawn(seed).words()
-    assert result.believed.yaw < YAW_MOST, drawn(seed).words()
+    if motor_share(drawn(seed)) <= 1.0:
+        assert result.believed.yaw < YAW_MOST, drawn(seed).words()
