@@ -76,25 +76,32 @@ class LinkWay:
 
     def send(self, now_us: int, endpoint: int, datagram: bytes) -> None:
         """A datagram sets out."""
-        way, draw = self._way, self._random
+        if not self._effects:
+            self._pass_on(now_us, endpoint, datagram)
+            return
         passing: list[InTransit] = [(0, datagram)]
         for effect in self._effects:
             if endpoint in effect.endpoints:
                 passing = [after for sent in passing for after in effect.pass_on(sent, now_us)]
         for later_us, data in passing:
-            if way.loss and draw() < way.loss:
-                continue
-            at_us = now_us + later_us + self._delay_us
-            if way.jitter:
-                at_us += round(self._jitter_us * draw())
-            if self._keeps_order:
-                at_us = max(at_us, self._last_us.get(endpoint, 0))
-                self._last_us[endpoint] = at_us
-            if way.reordered and draw() < way.reordered:
-                at_us += OVERTAKEN_FOR_US
-            self._queue_at(at_us, endpoint, data)
-            if way.duplicated and draw() < way.duplicated:
-                self._queue_at(at_us + self._duplicate_us, endpoint, data)
+            self._pass_on(now_us + later_us, endpoint, data)
+
+    def _pass_on(self, now_us: int, endpoint: int, datagram: bytes) -> None:
+        """What the way itself does to a datagram."""
+        way, draw = self._way, self._random
+        if way.loss and draw() < way.loss:
+            return
+        at_us = now_us + self._delay_us
+        if way.jitter:
+            at_us += round(self._jitter_us * draw())
+        if self._keeps_order:
+            at_us = max(at_us, self._last_us.get(endpoint, 0))
+            self._last_us[endpoint] = at_us
+        if way.reordered and draw() < way.reordered:
+            at_us += OVERTAKEN_FOR_US
+        self._queue_at(at_us, endpoint, datagram)
+        if way.duplicated and draw() < way.duplicated:
+            self._queue_at(at_us + self._duplicate_us, endpoint, datagram)
 
     def take_arrived(self, now_us: int) -> list[tuple[int, bytes]]:
         """What has arrived by now: (endpoint, datagram), in the order it did."""

@@ -105,6 +105,8 @@ class GroundSide:
             self._announcer.say(
                 f"path: {note.split(' -> ')[-1]}", now, MavSeverity.WARNING if fault else MavSeverity.INFO
             )
+        if not self._announcer.are_numbers_due(now):
+            return
         steered, progress = outcome.steered, memory.path.progress
         if steered is not None and progress is not None and memory.state is not None and memory.phase in FLOWN:
             command = steered.command

@@ -72,6 +72,8 @@ def _arrived(conductor: Conductor, bridge: Bridge, now: float) -> list[Received]
     xrce = conductor.xrce
     while True:
         said = bridge.datagrams()
+        if not said and xrce is None:
+            return found
         for endpoint, data in said:
             if endpoint == XRCE:
                 if xrce is not None:

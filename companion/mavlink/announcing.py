@@ -59,10 +59,12 @@ class Announcer:
         """When ``on_timer`` has something to do."""
         return self._next_text if self._waiting else math.inf
 
+    def are_numbers_due(self, now: float) -> bool:
+        """Whether NUMBERS_PERIOD s have passed since the last numbers."""
+        return now >= self._next_numbers
+
     def numbers(self, now: float, t_boot: float, named: dict[str, float]) -> None:
-        """Send numbers by name (10 characters), not more often than every NUMBERS_PERIOD s."""
-        if now < self._next_numbers:
-            return
+        """Send numbers by name (10 characters)."""
         self._next_numbers = now + NUMBERS_PERIOD
         stamp = round(t_boot * 1e3) & 0xFFFFFFFF
         for name, value in named.items():

@@ -186,7 +186,10 @@ class RateSteering:
             return memory._replace(delay=delay)
         estimate = advance_estimate(memory.estimate, memory.commands, state, memory.limited, memory.moving)
         commands = recent_commands(memory.commands, state.t_boot - COMMANDS_KEPT)
-        return memory._replace(estimate=estimate, commands=commands, delay=delay)
+        return RateMemory(
+            estimate, commands, memory.zeta, memory.governor, memory.yaw, memory.poles, delay, memory.limited,
+            memory.moving,
+        )  # fmt: skip
 
     def _timing(self, memory: RateMemory, dt: float) -> Timing:
         assert memory.delay is not None

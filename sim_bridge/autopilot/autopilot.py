@@ -76,8 +76,7 @@ class Autopilot:
         self.manual_flight = ManualFlight(self.parameters, self.cascade.hover, vehicle.gravity)
         self.offboard_flight = OffboardFlight(self.parameters, self.cascade, direct=direct)
         self._step = step
-        self.estimate = estimate
-        self.truth = truth
+        self.estimate, self.truth = estimate, truth
         self.offboard_flown, self.unix_us_at_boot = False, UNIX_US_AT_BOOT
         self.log_files: dict[str, bytearray] = {}  # path -> the vehicle's own log, by the logger
         self.attitude_told: tuple[int, Quaternion, float] = (0, (1.0, 0.0, 0.0, 0.0), 0.0)  # by ATTITUDE_TARGET
@@ -142,18 +141,20 @@ class Autopilot:
             return None
         if mode is not self._flown:
             self._enter(mode)
-        written = self.offboard_flight.topics.take_fresh(level := self.level_in(mode))
+        written = topics.take_fresh(self.level_in(mode)) if (topics := self.offboard_flight.topics).any else None
         if written is not None and not isinstance(written, PAST_THE_LOOPS):
             return fly(cascade, now, written, commander.landed)
-        own = self._control(now, mode, level)
+        own = self._control(now, mode)
         return own if written is None else self.offboard_flight.fight(written)
 
-    def _control(self, now: Estimate, mode: Mode, level: Level) -> Four:
+    def _control(self, now: Estimate, mode: Mode) -> Four:
         """What the vehicle's own loops make of the mode."""
         commander, cascade = self.commander, self.cascade
-        if mode is Mode.OFFBOARD or (mode in EXTERNAL and level >= Level.ATTITUDE):
+        if mode is Mode.OFFBOARD or (mode in EXTERNAL and self.level_in(mode) >= Level.ATTITUDE):
+            if self.setpoint is None:
+                return self.offboard_flight.go_on(now, self.level_in(mode), commander.landed)
             on = Ground(commander.landed, self._stands, self._landing.touching)
-            return self.offboard_flight.fly(now, level, on, self.t - commander.armed_at)
+            return self.offboard_flight.fly(now, on, self.t - commander.armed_at)
         if mode in MANUAL:
             return self._fly_by_stick(now)
         if cascade.wants_target:

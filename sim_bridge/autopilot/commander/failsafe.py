@@ -196,7 +196,7 @@ class Failsafe:
         user_intended_mode = now.user_intended_mode
         if user_intended_mode is Mode.TERMINATION or self.action is Action.TERMINATE:  # which never ends
             return Action.TERMINATE, Action.NONE, user_intended_mode, False
-        if not now.armed:
+        if not (now.armed and self._active):
             return Action.NONE, Action.NONE, user_intended_mode, False
         acting = [a.option for a in self._active.values() if a.option.action is not Action.NONE]
         action = max((option.action for option in acting), default=Action.NONE)

@@ -89,9 +89,10 @@ class OffboardFlight:
             self._cascade.begin_position()
         self.setpoint = setpoint
 
-    def fly(self, now: Estimate, level: Level, on: Ground, armed_for: float) -> Four:
-        """The motor commands; before the first setpoint of a ``level`` what was flown goes on. ``armed_for``: s."""
+    def fly(self, now: Estimate, on: Ground, armed_for: float) -> Four:
+        """The motor commands of the setpoint. ``armed_for``: s."""
         setpoint, cascade = self.setpoint, self._cascade
+        assert setpoint is not None
         if isinstance(setpoint, MotorSetpoint):
             return cascade.fly_motors(now, setpoint.commands)
         if isinstance(setpoint, TrajectorySetpoint):
@@ -100,13 +101,16 @@ class OffboardFlight:
             return cascade.hold_motors(setpoint.commands)
         if isinstance(setpoint, TorqueSetpoint):
             return cascade.fly_torque(setpoint.torque)
-        if setpoint is not None:
-            return fly(cascade, now, setpoint, on.landed)
+        return fly(cascade, now, setpoint, on.landed)
+
+    def go_on(self, now: Estimate, level: Level, landed: bool) -> Four:
+        """The motor commands before the first setpoint of a ``level``: what was flown goes on."""
+        cascade = self._cascade
         if self._direct:
             return cascade.fly_motors(now, cascade.commands)
         if level >= Level.TORQUES:
             return cascade.hold_motors(cascade.commands)
-        return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, on.landed)
+        return cascade.fly_rates(now, cascade.rates_wanted, cascade.thrust, landed)
 
     def _fly_to_a_place(self, now: Estimate, setpoint: TrajectorySetpoint, on: Ground, armed_for: float) -> Four:
         """A place, a velocity, an acceleration."""

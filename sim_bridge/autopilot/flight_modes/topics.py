@@ -56,6 +56,11 @@ class Topics:
         level = LEVEL_OF[type(written)]
         self._last[level] = self._fresh[level] = written
 
+    @property
+    def any(self) -> bool:
+        """Whether any was written that the vehicle's own loops have not written since."""
+        return bool(self._last)
+
     def wanted(self, level: Level) -> TopicSetpoint | None:
         """What is flown at a level; None: it has not been written since the vehicle's own loops wrote it."""
         return self._last.get(level)
@@ -63,8 +68,6 @@ class Topics:
     def take_fresh(self, flown: Level) -> TopicSetpoint | None:
         """What was written since the last step below the level that is flown: the lowest of it counts, and then the
         vehicle's loops have written there again."""
-        if not self._last:
-            return None
         fresh, self._fresh = self._fresh, {}
         self._last = {level: written for level, written in self._last.items() if level <= flown}
         lowest = max(fresh, default=None)
