@@ -10,6 +10,7 @@ from typing import NamedTuple
 from companion.config.mission.mission import load_mission
 from companion.config.vehicle import load_vehicle
 from companion.config.world.world import load_world
+from companion.daemon.asked_of_vehicle import WANTED
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.phases import Phase
 from companion.frames import rotation_matrix, tilt, wrap
@@ -86,8 +87,10 @@ def measure_flight(
     """Fly ``duration`` s of following from a hover on the path (or ``start``). ``watch``: called at every step."""
     if level is OutputLevel.MOTORS:
         vehicle = dataclasses.replace(vehicle, motors=MotorInterface.DIRECT)
+    direct = level is OutputLevel.MOTORS
+    # what nobody reads of the vehicle's messages is not written
     bridge = Bridge(
-        vehicle, where, seed=seed, direct=level is OutputLevel.MOTORS, start=start or start_of(mission), endpoints=1
+        vehicle, where, seed=seed, direct=direct, start=start or start_of(mission), endpoints=1, only=WANTED
     )
     orders = Orders(mission, vehicle, level, duration, Origin.LOCAL, set_parameters=True)
     conductor = Conductor(orders, None, bridge.now)
