@@ -24,7 +24,7 @@ ROUGHNESS_MOST = math.radians(3.5)
 that comes to this."""
 JUMP = 3.0 * ROUGHNESS_MOST
 """rad/s: a larger one is counted as this large. Simulated on sih_noisy: taking over jumps by up to 60 deg/s and a reset
-by 50, between which commands are rough by 1 deg/s; squared, they slowed the poles of every fourth flight."""
+by 50, between which commands are rough by 1 deg/s; squared, they slowed the poles of every fifth flight."""
 MEAN_SIZE = 0.5 * math.sqrt(math.pi)
 """Ratio of the mean size of two normal numbers, sqrt((p^2 + q^2) / 2), to their standard deviation. By definition."""
 ROUGHNESS_TIME = 2.0
