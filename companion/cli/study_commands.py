@@ -99,7 +99,7 @@ def replay(
     while folder.exists():
         folder, number = folder.with_name(f"{index}-{number}"), number + 1
     again = row_of(cases_of(read)[index], folder)
-    tell(line_of(again))
+    tell(line_of(read.model, again))
     changed = [key for key in again if key not in ("wall_s", "version") and again[key] != rows[index].get(key)]
     if folder.is_dir():
         write_page(folder)
@@ -111,12 +111,13 @@ def replay(
 @study.command()
 def worst(directory: Folder) -> None:
     """The ten flights that went worst, by their numbers."""
-    from companion.study.results import load_rows
+    from companion.study.results import load_rows, load_run_study
     from companion.study.telling import line_of
     from companion.study.telling import worst as worst_of
 
-    for row in worst_of(load_rows(directory)):
-        tell(line_of(row))
+    model = load_run_study(directory).model
+    for row in worst_of(model, load_rows(directory)):
+        tell(line_of(model, row))
 
 
 def register(app: typer.Typer) -> None:

@@ -11,7 +11,7 @@ from companion.study.sampling import drawn_names, grid_size, saltelli_block
 
 Row = dict[str, Any]
 ERRORS = ("truth.settled.path_error_m.rms", "settled.path_error_m.rms")
-"""What flights are ranked by: the first that is known."""
+"""What flights may be ranked by."""
 ENOUGH = 8
 """Flights from which on a rank correlation is told (engineering choice)."""
 
@@ -25,14 +25,16 @@ class Index(NamedTuple):
     total: float
 
 
-def error_name(rows: list[Row]) -> str | None:
-    """The figure that flights are ranked by; None where no flight has one."""
-    return next((name for name in ERRORS if any(row.get(name) is not None for row in rows)), None)
+def error_name(model: StudyModel, rows: list[Row]) -> str | None:
+    """The figure that flights are ranked by: what is required of them, else as it truly was, else as believed; None
+    where no flight has one."""
+    names = sorted(ERRORS, key=lambda name: name not in model.require)
+    return next((name for name in names if any(row.get(name) is not None for row in rows)), None)
 
 
 def explained(model: StudyModel, rows: list[Row]) -> list[tuple[str, float]]:
     """Spearman's rank correlation of each number that is drawn or chosen with the error, strongest first."""
-    name = error_name(rows)
+    name = error_name(model, rows)
     known = [row for row in rows if name is not None and row.get(name) is not None]
     if name is None or len(known) < ENOUGH:
         return []
@@ -51,7 +53,7 @@ def explained(model: StudyModel, rows: list[Row]) -> list[tuple[str, float]]:
 def sobol_indices(model: StudyModel, rows: list[Row], flights: int) -> list[Index] | None:
     """The Sobol indices of the error (its mean over the grid), largest first (Saltelli 2010, scipy.stats). None: the
     design is another, or a flight of it has no error."""
-    name, drawn = error_name(rows), drawn_names(model.vary)
+    name, drawn = error_name(model, rows), drawn_names(model.vary)
     if model.sampling != "saltelli" or name is None or not drawn or len(rows) < flights:
         return None
     values = [row.get(name) for row in sorted(rows, key=lambda row: int(row["index"]))]

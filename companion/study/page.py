@@ -11,7 +11,7 @@ from typing import Any
 from companion.record.files import write_whole
 from companion.study.explaining import error_name
 from companion.study.reading import Study
-from companion.study.telling import Verdict, headlines, shown, worst
+from companion.study.telling import Verdict, flown_with, headlines, worst
 from companion.vehicle import CompanionError
 
 Row = dict[str, Any]
@@ -123,14 +123,12 @@ def _explained(said: Verdict) -> str:
 
 def _worst(study: Study, rows: list[Row]) -> str:
     """The worst flights, a line each."""
-    keys = [key for key, each in study.model.vary.items() if not each.formulas]
-    name = error_name(rows) or ""
+    name = error_name(study.model, rows) or ""
     lines = []
-    for row in worst(rows):
+    for row in worst(study.model, rows):
         error, why = row.get(name), row.get("unmet") or row.get("reason")
         ended = "passed" if row["passed"] else str(row["outcome"])
-        values = ", ".join(f"{key} {shown(row.get(f'vary.{key}'))}" for key in keys)
-        cells = [str(row["index"]), "" if error is None else f"{100.0 * error:.2f}", values]
+        cells = [str(row["index"]), "" if error is None else f"{100.0 * error:.2f}", flown_with(study.model, row)]
         lines.append([*cells, ended if not why else f"{ended}: {why}"])
     return _table(["flight", "error, cm", "flown with", "ended"], lines, "worst")
 

@@ -38,10 +38,10 @@ def rate_of(passed: int, flights: int, confidence: float) -> Rate:
     return Rate(passed, flights, low, high)
 
 
-def worst(rows: list[Row], count: int = WORST) -> list[Row]:
+def worst(model: StudyModel, rows: list[Row], count: int = WORST) -> list[Row]:
     """Those that did not pass first, then by their error, largest first; one that did not get so far as to have one is
     worse than any."""
-    name = error_name(rows) or ""
+    name = error_name(model, rows) or ""
 
     def rank(row: Row) -> tuple[bool, float, int]:
         error = row.get(name)
@@ -60,9 +60,9 @@ class Errors(NamedTuple):
     largest: float
 
 
-def errors_of(rows: list[Row]) -> Errors | None:
+def errors_of(model: StudyModel, rows: list[Row]) -> Errors | None:
     """How large the errors are; None where no flight has one."""
-    name = error_name(rows)
+    name = error_name(model, rows)
     if name is None:
         return None
     errors = np.array([row[name] for row in rows if row.get(name) is not None]) * 100.0
@@ -90,7 +90,7 @@ def judged(model: StudyModel, rows: list[Row], flights: int) -> Verdict:
     rate = rate_of(sum(bool(row["passed"]) for row in rows), len(rows), model.confidence)
     held = len(rows) == flights and rate.share >= model.pass_rate
     found = explained(model, rows), sobol_indices(model, rows, flights)
-    return Verdict(model, len(rows), flights, rate, held, errors_of(rows), *found)
+    return Verdict(model, len(rows), flights, rate, held, errors_of(model, rows), *found)
 
 
 def headlines(said: Verdict) -> list[str]:
@@ -127,15 +127,19 @@ def in_words(said: Verdict) -> list[str]:
     return lines
 
 
-def line_of(row: Row) -> str:
+def line_of(model: StudyModel, row: Row) -> str:
     """A flight in a line."""
-    name = error_name([row])
+    name = error_name(model, [row])
     error = "" if name is None else f", path error {100.0 * row[name]:.2f} cm"
-    varied = ", ".join(f"{key.removeprefix('vary.')} {shown(v)}" for key, v in row.items() if key.startswith("vary."))
     why = row.get("unmet") or row.get("reason")
-    return f"{row['index']:>6}  {'passed' if row['passed'] else row['outcome']}{error}; {varied}" + (
-        f"; {why}" if why else ""
-    )
+    ended = "passed" if row["passed"] else row["outcome"]
+    return f"{row['index']:>6}  {ended}{error}; {flown_with(model, row)}" + (f"; {why}" if why else "")
+
+
+def flown_with(model: StudyModel, row: Row) -> str:
+    """What was drawn or chosen for a flight; without what formulas made of it."""
+    keys = [key for key, each in model.vary.items() if not each.formulas]
+    return ", ".join(f"{key} {shown(row.get(f'vary.{key}'))}" for key in keys)
 
 
 def shown(value: Any) -> str:

@@ -17,7 +17,7 @@ import pytest
 from typer.testing import CliRunner
 
 from companion.cli.commands import app
-from companion.config.study.keys import StudyModel, VaryModel
+from companion.config.study.keys import RequireModel, StudyModel, VaryModel
 from companion.config.syntax.faults import ConfigError
 from companion.daemon.conductor import Conductor
 from companion.flight.phases import Phase
@@ -163,9 +163,16 @@ def test_the_verdict_the_worst_and_what_explains_them() -> None:
     said = judged(model, rows(), 20)
     assert said.holds and not judged(model, rows(), 21).holds
     assert not judged(model.model_copy(update={"pass_rate": 0.96}), rows(), 20).holds
-    assert [row["index"] for row in worst(rows(), 3)] == [4, 19, 18]
+    assert [row["index"] for row in worst(model, rows(), 3)] == [4, 19, 18]
     lost = {"index": 7, "passed": False, "outcome": "aborted", "reason": "no state"}  # before it had an error
-    assert [row["index"] for row in worst([*rows()[:7], lost, *rows()[8:]], 3)] == [7, 4, 19]
+    assert [row["index"] for row in worst(model, [*rows()[:7], lost, *rows()[8:]], 3)] == [7, 4, 19]
+    believed = [{**row, "settled.path_error_m.rms": -row["index"]} for row in rows()]
+    asked = model.model_copy(update={"require": {"settled.path_error_m.rms": RequireModel(max=1.0)}})
+    assert [row["index"] for row in worst(asked, believed, 3)] == [
+        4,
+        0,
+        1,
+    ]  # what is required is what they are ranked by
     ((key, rank),) = said.ranks
     assert key == "mass" and rank == pytest.approx(1.0)
     assert in_words(said)[0].startswith("s holds: 19 of 20 flights passed (95.0 %)")
