@@ -24,7 +24,6 @@ from scipy.linalg import expm, solve_discrete_are, solve_discrete_lyapunov
 
 from companion.config.world.world import load_world
 from companion.estimation.adaptation import DISTURBANCE_Q, NOISE_MIN
-from companion.estimation.estimator import STANDARD_GRAVITY as G
 from companion.estimation.kalman_step import (
     DISTURBANCE_TIME,
     GUST_TIME,
@@ -34,6 +33,7 @@ from companion.estimation.kalman_step import (
     WANDER_TIME,
 )
 from companion.estimation.rate_loop_model import GYRO_ACCELERATION_GAIN, GYRO_TIME
+from companion.vehicle import GRAVITY as G
 from companion.vehicle import Vehicle
 from trials.measured import machine
 
