@@ -84,6 +84,8 @@ def _failed(case: Case, reason: str) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def _client(distributed: Any, workers: int, scheduler: str | None) -> Iterator[Any]:
+    import dask.config
+
     logging.getLogger("distributed").setLevel(logging.ERROR)
     if scheduler is not None:
         try:
@@ -94,6 +96,8 @@ def _client(distributed: Any, workers: int, scheduler: str | None) -> Iterator[A
             yield client
         return
     with (
+        # dask's profile of its workers grows for an hour (50 MB in two dozen flights) and takes a twentieth of their time
+        dask.config.set({"distributed.worker.profile.enabled": False}),
         distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,

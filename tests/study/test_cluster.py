@@ -11,10 +11,12 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from companion.study.flying import cases_of, row_of
+from companion.study.engine import flown
+from companion.study.flying import Case, cases_of, row_of
 from companion.study.reading import study_from
 from companion.study.results import load_rows
 from tests.study.test_study import ROOT, TINY
@@ -42,6 +44,19 @@ def wait_for_rows(log: Path, count: int, running: subprocess.Popen[bytes]) -> No
     while not log.is_file() or log.read_bytes().count(b"\n") < count:
         assert running.poll() is None and time.monotonic() - begun < PATIENCE
         time.sleep(0.05)
+
+
+def told_of_profile(case: Case) -> dict[str, Any]:
+    import dask.config
+
+    return {"index": case.index, "profile": dask.config.get("distributed.worker.profile.enabled")}
+
+
+def test_workers_that_are_started_keep_no_profile() -> None:
+    """Its memory grows with the time."""
+    rows: list[dict[str, Any]] = []
+    flown(cases_of(study_from(TINY, "tiny.yaml")), 1, None, rows.append, fly=told_of_profile)
+    assert [row["profile"] for row in rows] == [False, False]
 
 
 def test_kill_9_of_client_and_worker_loses_no_flight_and_flies_none_twice(tmp_path: Path) -> None:
