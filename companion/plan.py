@@ -9,7 +9,7 @@ from companion.flight.conduct import Conduct
 from companion.frames import Heading, Vec3
 from companion.law.feedback import bounds_of
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
-from companion.law.gains import Gains, Level, auto_gains, default_gains, law_level, poles_of
+from companion.law.gains import Gains, Level, auto_gains, default_gains, law_level, mean_pole
 from companion.law.hold import HoldLaw, hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
@@ -74,7 +74,7 @@ def prepared(
     direction = 1.0 if speeds[0] > 0.0 else -1.0
     usual = default_gains(law_level(level))
     gains = gains_of(placed, vehicle, level, tuning, learned)
-    path_pole = None if placed.gains is not None else float(poles_of(gains.h1)[0].real)
+    path_pole = None if placed.gains is not None else mean_pole(gains.h1)
     bounds = bounds_of(vehicle, path_pole)
     law: Law
     if isinstance(placed.path, ImplicitPath):
@@ -122,7 +122,8 @@ def gains_of(mission: Mission, vehicle: Vehicle, level: OutputLevel, tuning: Tun
         lag = vehicle.motor_lag
     if level is OutputLevel.ATTITUDE:
         lag += as_attitude(tuning).smoothing
-    return auto_gains(law_level(level), lag + vehicle.dead_time + HOLD)
+    waiting = vehicle.dead_time + HOLD
+    return auto_gains(law_level(level), lag + waiting, vehicle.motor_lag + waiting)
 
 
 def _steering(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -35,12 +36,16 @@ def law_level(level: OutputLevel) -> Level:
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """One tuple per output, ``[0]`` on the output itself, as many as its relative degree."""
+    """One tuple per output, ``[0]`` on the output itself, as many as its relative degree.
+
+    ``vertical``: in the place of those of h1 and h2 for the vertical part of the distance to the path; None: theirs.
+    """
 
     h1: tuple[float, ...]
     h2: tuple[float, ...]
     h3: tuple[float, ...]
     h4: tuple[float, ...]
+    vertical: tuple[float, ...] | None = None
 
     @property
     def each(self) -> tuple[tuple[float, ...], ...]:
@@ -61,7 +66,8 @@ def from_poles(poles: Sequence[complex]) -> tuple[float, ...]:
 
 
 def with_path_poles(gains: Gains, scale: Scalar) -> Gains:
-    """``gains`` with the poles of h1 and h2 times ``scale``: k_i scale^(n - i). A number, or the symbol of a tape."""
+    """``gains`` with the poles of h1, h2 and the vertical times ``scale``: k_i scale^(n - i). A number, or the symbol
+    of a tape."""
 
     def scaled(ks: tuple[float, ...]) -> tuple[float, ...]:
         factors = [scale]
@@ -69,7 +75,8 @@ def with_path_poles(gains: Gains, scale: Scalar) -> Gains:
             factors.append(factors[-1] * scale)
         return tuple(k * factor for k, factor in zip(ks, reversed(factors), strict=True))
 
-    return Gains(scaled(gains.h1), scaled(gains.h2), gains.h3, gains.h4)
+    vertical = None if gains.vertical is None else scaled(gains.vertical)
+    return Gains(scaled(gains.h1), scaled(gains.h2), gains.h3, gains.h4, vertical)
 
 
 def poles_of(gains: Sequence[float]) -> list[complex]:
@@ -86,13 +93,31 @@ YAW_POLES = {Level.MOTORS: (-2.0,) * 2, Level.RATES: (-2.25,)}
 """1/s, of h4. Engineering choice: slower than PX4's yaw loop (MC_YAW_P 2.8)."""
 
 
-AUTO_POLE_TIME = 0.5
-"""rad: path poles chosen for a flight times the horizon of the prediction. Engineering choice: a triple pole at -L
-crosses over at 3 L, and of a horizon a third is counted on to be wrong: 3 L h / 3 = 0.5 rad of phase lost, of about
-60 deg that a triple pole has."""
-AUTO_POLE_RANGE = (4.0, 6.0)
-"""1/s. Simulated on sih_noisy, 40 s at 3 m/s: -5 2.8 cm, -6 2.4, -7 2.1, -8 1.9; heading 0.7, 0.9, 1.2, 2.0 deg;
-commands shake by 2.2, 3.1, 4.0, 5.2 deg/s. -6 is where the heading is still held to a degree."""
+AUTO_POLE_TIME = {Level.RATES: 0.62, Level.MOTORS: 0.5}
+"""rad: path poles chosen for a flight times the horizon of the prediction. Engineering choice: of a horizon a third is
+counted on to be wrong. Three poles at rates cross over at 2.7 L, and 2.7 L h / 3 = 0.56 rad of phase are lost (32 deg)
+of 69; three equal ones, as at motors beside the fourth, cross over at 3 L and lose 0.5 rad at 0.5."""
+AUTO_DAMPING = 0.85
+"""Ratio, of the pair of path poles at rates that stands beside -L, as far from zero. bench.noise_floor: for commands of
+the same size 3 % nearer to the path than three equal ones. With 0.7 5 %, but where the vehicle leans by 51 deg (circle
+r5 at 7 m/s, simulated on sih_noisy) it was handed back in two flights of three; with this in none of eight."""
+AUTO_POLE_RANGE = {Level.RATES: (4.0, 7.5), Level.MOTORS: (4.0, 6.0)}
+"""1/s. Simulated on sih_noisy, circle r5 at 3 m/s, level part of the distance: -6 1.5 cm, -7 1.3, -8 1.2. Heading and
+what it costs: docs/estimation.md. At motors, 40 s at 3 m/s: -5 4.1 cm, -6 2.8."""
+VERTICAL_POLE_MAX = 10.5
+"""1/s, of the height at rates. Simulated likewise, vertical part: -6 2.1 cm, -9 1.5, -10 1.3; the thrust commanded
+changes by 0.2, 0.35 and 0.45 % of its range from state to state."""
+VERTICAL_POLE_LEAD = 0.3
+"""rad: what its poles may be times the time by which the motors are later than the rate loop, and times that by which
+they may be later than told. The thrust is led by the first, and 2.7 L is the gain of that loop. Engineering choice:
+0.8, of 1 at which it swings. Simulated: at 1.4 it did on a vehicle said to have no rate loop's lag, and at 0.33 of the
+second one on an airframe with motors of 56 ms, told 25, and a thrust curve (seed 20 of bench.airframes)."""
+THRUST_HORIZON_MOST = 0.068
+"""s: motors of 60 ms, dead time and hold. Engineering choice: nothing finds their lag in flight, so the slowest of
+bench.airframes are counted on."""
+SPEED_POLE_MAX = 6.0
+"""1/s, of the speed at rates. Simulated likewise: -2.5 2.3 % of the speed, -5 1.9, -6 1.8; path and heading are the
+same."""
 
 
 BODY_POLE_TIME = 0.8
@@ -103,24 +128,39 @@ BODY_POLE_RANGE = (6.0, 14.0)
 states a second the loop is stable with -14, and hardly with -20."""
 
 
-def auto_gains(level: Level, horizon: float) -> Gains:
+def auto_gains(level: Level, horizon: float, thrust_horizon: float) -> Gains:
     """The gains chosen for a flight whose mission writes none. ``horizon``: s, dead time and lag of the rate loop, or
-    of the motors.
+    of the motors. ``thrust_horizon``: s, dead time and lag of the motors.
 
     The estimate's wander and what is unknown of the forces put an error of 3 / L^2 times their acceleration beside the
-    path, so poles are as fast as the horizon allows; noise puts L times itself into the commands. At motors the same
-    poles stand beside a fourth, that of the turning body: four equal ones would have to be at -7 for the same error.
+    path, so poles are as fast as the horizon allows; noise puts L times itself into the commands, and into the tilt.
+    The thrust that holds the height waits for no rate loop, and an estimate's height wanders most: its poles are
+    faster. At motors the poles stand beside a fourth, that of the turning body: four equal ones would have to be at -7
+    for the same error.
     """
     usual = default_gains(level)
-    least, most = AUTO_POLE_RANGE
-    pole = -min(max(AUTO_POLE_TIME / horizon, least), most)
+    time, (least, most) = AUTO_POLE_TIME[level], AUTO_POLE_RANGE[level]
+    pole = -min(max(time / horizon, least), most)
     if level is Level.RATES:
-        path = from_poles((pole,) * 3)
-        return Gains(path, path, usual.h3, usual.h4)
+        path, speed = from_poles(_spread(pole)), max(pole, -SPEED_POLE_MAX)
+        late = max(thrust_horizon - horizon, THRUST_HORIZON_MOST - thrust_horizon, 1e-6)
+        vertical = -max(min(time / thrust_horizon, VERTICAL_POLE_MAX, VERTICAL_POLE_LEAD / late), least)
+        return Gains(path, path, from_poles((speed,) * 2), usual.h4, from_poles(_spread(vertical)))
     least, most = BODY_POLE_RANGE
     body = -min(max(BODY_POLE_TIME / horizon, least), most)
     path = from_poles((pole, pole, pole, body))
     return Gains(path, path, from_poles((*SPEED_POLES[level][:2], body)), usual.h4)
+
+
+def _spread(pole: float) -> tuple[complex, ...]:
+    """A real pole (1/s) and a pair as far from zero."""
+    pair = complex(AUTO_DAMPING * pole, math.sqrt(1.0 - AUTO_DAMPING**2) * pole)
+    return (pole, pair, pair.conjugate())
+
+
+def mean_pole(gains: Sequence[float]) -> float:
+    """1/s: the geometric mean of the poles."""
+    return -math.pow(gains[0], 1.0 / len(gains))
 
 
 def default_gains(level: Level) -> Gains:

@@ -28,9 +28,15 @@ TILT_MAX = math.radians(80.0)
 """rad, of a vehicle without a limit: its tangent is still a number. Engineering choice."""
 
 
-def pole_choice(path_pole: float) -> PoleChoice:
+def pole_choice(path_pole: float, vehicle: Vehicle) -> PoleChoice:
     """How far poles (1/s) that were chosen may be lowered: to the least that is chosen, AUTO_POLE_RANGE."""
-    return PoleChoice(min(1.0, -AUTO_POLE_RANGE[0] / path_pole), PATH_POLES[Level.RATES][0] / path_pole)
+    least, limits = AUTO_POLE_RANGE[Level.RATES][0], vehicle.limits
+    return PoleChoice(
+        min(1.0, -least / path_pole),
+        PATH_POLES[Level.RATES][0] / path_pole,
+        -path_pole,
+        math.inf if limits is None else limits.failure_detector,
+    )
 
 
 def rate_steering(
@@ -72,7 +78,7 @@ def rate_steering(
         heading=heading,
         per_rate=per_rate,
         path_pole=math.nan if path_pole is None else path_pole,
-        pole_choice=AS_WRITTEN if path_pole is None else pole_choice(path_pole),
+        pole_choice=AS_WRITTEN if path_pole is None else pole_choice(path_pole, vehicle),
     )
 
 

@@ -1,4 +1,4 @@
-"""Path poles by the noise found: chosen when the path is begun, and after that only lowered.
+"""Path poles by the noise and the tilt found: chosen when the path is begun, and after that only lowered.
 
     commands of a law with poles at -L carry noise in proportion to L^2
 
@@ -9,6 +9,9 @@ n). Poles that a mission writes stay as written.
 Noise is told from motion by the second differences of what is commanded, 8 ms apart: there a bend is next to nothing
 beside noise that is new at every state. It is told from jumps, those of taking over and of an estimate that is reset,
 by their mean size, not their square, each counted no larger than JUMP.
+
+Noise shakes the tilt too, in proportion to L. Where the vehicle leans steeply, by its path or in wind, the room up to
+its failure detector is all there is for that: poles are at most that room over TILT_PER_POLE.
 """
 
 from __future__ import annotations
@@ -19,9 +22,9 @@ from typing import NamedTuple
 from companion.frames import Vec3
 
 ROUGHNESS_MOST = math.radians(3.5)
-"""rad/s, of roll and pitch rate commanded: their noise, by second differences over sqrt(6). Simulated on sih_noisy: at
--6 it is 1.7 to 1.9 deg/s, and slower poles cost more of the path (3.2 cm at -4, not 2.4) than the noise is worth; twice
-that comes to this."""
+"""rad/s, of roll and pitch rate commanded: their noise, by second differences over sqrt(6). Simulated on sih_noisy:
+with the poles that are chosen it is 1.5 deg/s at 3 m/s and 2.2 at 7, and slower poles cost more of the path (3.2 cm at
+-4) than the noise is worth; twice that comes to this."""
 JUMP = 3.0 * ROUGHNESS_MOST
 """rad/s: a larger one is counted as this large. Simulated on sih_noisy: taking over jumps by up to 60 deg/s and a reset
 by 50, between which commands are rough by 1 deg/s; squared, they slowed the poles of every fifth flight."""
@@ -33,6 +36,13 @@ KNOWN_AFTER = 1.0
 """s of commands before the path after which the roughness is believed. Engineering choice."""
 LOWERING_TIME = 5.0
 """s in which poles are lowered from 1 to nothing at the soonest. Engineering choice."""
+TILT_PER_POLE = math.radians(1.23)
+"""rad s: room for the tilt per 1/s of the poles. Simulated on sih_noisy, circle r5 at 7 m/s (a steady 51 deg): the tilt
+shakes by 2.2 deg at -6 and by 2.6 at -7.5; in 3 m/s of wind -7.5 was handed back, -6.5 in none of five flights."""
+TILT_ROOM_MIN = math.radians(8.0)
+"""rad of it that the speed governor leaves. As UNDER_DETECTOR (steering.assembly)."""
+TILT_TIME = 1.0
+"""s over which the tilt is averaged. Engineering choice: so long does a vehicle lean where a circle meets the wind."""
 STEP_MAX = 0.03
 """s between two commands beyond which their differences are motion too. Engineering choice."""
 SECOND_DIFFERENCE = 6.0
@@ -42,7 +52,7 @@ SECOND_DIFFERENCE = 6.0
 class PathPoles(NamedTuple):
     """``scale``: on the poles that the law was recorded with. ``begun``: whether a path is flown: from then on they are
     only lowered. ``roughness``: rad/s, mean over ROUGHNESS_TIME. ``known``: s of commands in it. ``last``,
-    ``before``: rad/s, the last two commands."""
+    ``before``: rad/s, the last two commands. ``tilt``: rad, mean over TILT_TIME along a path."""
 
     scale: float = 1.0
     begun: bool = False
@@ -50,21 +60,27 @@ class PathPoles(NamedTuple):
     known: float = 0.0
     last: Vec3 | None = None
     before: Vec3 | None = None
+    tilt: float = 0.0
 
 
 class PoleChoice(NamedTuple):
     """``least``: the least scale; 1 where poles are written, which are flown as they are. ``hold_scale``: the poles of
-    the hold before a path over those of the path."""
+    the hold before a path over those of the path. ``pole``: 1/s, of the path, its size. ``steepest``: rad, the tilt at
+    which the vehicle's failure detector ends a flight."""
 
     least: float = 1.0
     hold_scale: float = 1.0
+    pole: float = 0.0
+    steepest: float = math.inf
 
 
 AS_WRITTEN = PoleChoice()
 
 
-def update_path_poles(poles: PathPoles, choice: PoleChoice, rates_b: Vec3, dt: float, *, along: bool) -> PathPoles:
-    """``poles`` after another command (rad/s), ``dt`` s after the last. ``along``: it flies a path."""
+def update_path_poles(
+    poles: PathPoles, choice: PoleChoice, rates_b: Vec3, tilt: float, dt: float, *, along: bool
+) -> PathPoles:
+    """``poles`` after another command (rad/s), ``dt`` s after the last. ``tilt``: rad. ``along``: it flies a path."""
     if choice.least >= 1.0:
         return poles
     if along and not poles.begun:
@@ -73,11 +89,14 @@ def update_path_poles(poles: PathPoles, choice: PoleChoice, rates_b: Vec3, dt: f
             scale = min(max(choice.hold_scale * _ratio(poles), choice.least), 1.0)
         return PathPoles(scale, True, last=rates_b)  # what the hold's poles made of the noise is not theirs
     poles = _observe(poles, rates_b, dt)
-    if not along or poles.known < ROUGHNESS_TIME or poles.scale <= choice.least:
+    if not along:
         return poles
-    wanted = max(poles.scale * min(_ratio(poles), 1.0), choice.least)
-    scale = max(wanted, poles.scale - dt / LOWERING_TIME)
-    return poles if scale == poles.scale else poles._replace(scale=scale)
+    poles = poles._replace(tilt=poles.tilt + min(dt / TILT_TIME, 1.0) * (tilt - poles.tilt))
+    wanted = max(choice.steepest - poles.tilt, TILT_ROOM_MIN) / (TILT_PER_POLE * choice.pole)
+    if poles.known >= ROUGHNESS_TIME:
+        wanted = min(wanted, poles.scale * _ratio(poles))
+    wanted = max(wanted, choice.least)
+    return poles if wanted >= poles.scale else poles._replace(scale=max(wanted, poles.scale - dt / LOWERING_TIME))
 
 
 def _ratio(poles: PathPoles) -> float:
@@ -93,4 +112,4 @@ def _observe(poles: PathPoles, rates_b: Vec3, dt: float) -> PathPoles:
     size = min(math.sqrt(0.5 * (p * p + q * q) / SECOND_DIFFERENCE), JUMP)
     k = dt / min(ROUGHNESS_TIME, poles.known + dt)
     roughness = poles.roughness + k * (size / MEAN_SIZE - poles.roughness)
-    return PathPoles(poles.scale, poles.begun, roughness, poles.known + dt, rates_b, last)
+    return PathPoles(poles.scale, poles.begun, roughness, poles.known + dt, rates_b, last, poles.tilt)

@@ -35,7 +35,7 @@ from companion.estimation.vehicle_estimate import (
     predict_yaw,
     restart_estimate,
 )
-from companion.frames import Heading, Quaternion, Vec3, rotation_matrix
+from companion.frames import Heading, Quaternion, Vec3, rotation_matrix, tilt
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
@@ -135,7 +135,9 @@ class RateSteering:
             zeta=thrust.zeta,
             governor=governor,
             yaw=yaw,
-            poles=update_path_poles(memory.poles, self.pole_choice, rates.sent, dt, along=isinstance(aim, Along)),
+            poles=update_path_poles(
+                memory.poles, self.pole_choice, rates.sent, tilt(flying.r_nb), dt, along=isinstance(aim, Along)
+            ),
             delay=memory.delay,
             limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
             moving=is_to_move(command, aim),

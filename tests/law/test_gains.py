@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.law.gains import Level, auto_gains, default_gains, from_poles, poles_of
+from companion.law.gains import Level, auto_gains, default_gains, from_poles, mean_pole, poles_of
 
 
 def test_by_hand() -> None:
@@ -37,10 +37,34 @@ def test_complex_poles_come_in_pairs_and_make_real_gains() -> None:
 
 
 def test_gains_chosen_for_a_flight_are_as_fast_as_the_delay_allows() -> None:
-    poles = [max(root.real for root in poles_of(auto_gains(Level.RATES, horizon).h1)) for horizon in (0.05, 0.1, 0.3)]
-    assert poles == pytest.approx([-6.0, -5.0, -4.0], abs=1e-3)
-    assert auto_gains(Level.RATES, 0.1).h4 == default_gains(Level.RATES).h4
-    motors = auto_gains(Level.MOTORS, 0.1)
+    chosen = [auto_gains(Level.RATES, horizon, 0.8 * horizon) for horizon in (0.05, 0.1, 0.3)]
+    for output, wanted in (("h1", [-7.5, -6.2, -4.0]), ("vertical", [-10.5, -7.75, -4.0]), ("h3", [-6.0, -6.0, -4.0])):
+        poles = [mean_pole(getattr(gains, output)) for gains in chosen]
+        assert poles == pytest.approx(wanted)
+    assert chosen[0].h1 == chosen[0].h2
+    assert chosen[0].h4 == default_gains(Level.RATES).h4
+    damping = [-root.real / abs(root) for root in poles_of(chosen[0].h1)]
+    assert sorted(damping) == pytest.approx([0.85, 0.85, 1.0])
+    motors = auto_gains(Level.MOTORS, 0.1, 0.1)
     assert sorted(root.real for root in poles_of(motors.h1)) == pytest.approx([-8.0, -5.0, -5.0, -5.0], abs=1e-3)
     assert sorted(root.real for root in poles_of(motors.h3)) == pytest.approx([-8.0, -3.0, -3.0], abs=1e-3)
     assert motors.h4 == default_gains(Level.MOTORS).h4
+    assert motors.vertical is None
+
+
+def test_motors_slower_than_the_rate_loop_make_the_height_slower() -> None:
+    """Their thrust is led by the difference; and they may be slower than they are told."""
+    for horizon, thrust_horizon, late in ((0.03, 0.08, 0.05), (0.07, 0.033, 0.035)):
+        gains = auto_gains(Level.RATES, horizon, thrust_horizon)
+        assert gains.vertical is not None
+        assert mean_pole(gains.vertical) == pytest.approx(-0.3 / late)
+
+
+def test_between_level_and_vertical_gains_every_mixture_is_damped() -> None:
+    """On a path that slopes the vertical direction has one (law.feedback.with_vertical)."""
+    gains = auto_gains(Level.RATES, 0.11, 0.058)
+    assert gains.vertical is not None
+    assert 1.5 < mean_pole(gains.vertical) / mean_pole(gains.h1) < 2.0
+    for share in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0):
+        mixed = [(1.0 - share) * a + share * b for a, b in zip(gains.h1, gains.vertical, strict=True)]
+        assert all(-root.real > 0.65 * abs(root) for root in poles_of(mixed))
