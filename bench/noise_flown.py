@@ -12,7 +12,6 @@ from scipy.linalg import expm, solve_discrete_are, solve_discrete_lyapunov
 
 from bench.noise_world import DRAG, STEP, Array, Plant
 from companion.estimation.adaptation import DISTURBANCE_Q, NOISE_MIN
-from companion.estimation.estimator import STANDARD_GRAVITY as G
 from companion.estimation.kalman_step import (
     DISTURBANCE_TIME,
     GUST_TIME,
@@ -23,6 +22,7 @@ from companion.estimation.kalman_step import (
 )
 from companion.estimation.rate_loop_model import GYRO_ACCELERATION_GAIN, GYRO_TIME
 from companion.law.gains import from_poles
+from companion.vehicle import GRAVITY as G
 from companion.vehicle import Vehicle
 
 SLOW = 0.02

@@ -17,7 +17,7 @@ from scipy.linalg import block_diag
 from bench.noise_flown import flown
 from bench.noise_world import STEP, Place, Plant, attitude_deviations, axis_at, delayed, discrete, smooth
 from companion.config.world.world import load_world
-from companion.estimation.estimator import STANDARD_GRAVITY as G
+from companion.vehicle import GRAVITY as G
 from companion.vehicle import Vehicle
 
 YAW_LAG = 0.36

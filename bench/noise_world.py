@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from companion.config.world.world import load_world
-from companion.estimation.estimator import STANDARD_GRAVITY as G
+from companion.vehicle import GRAVITY as G
 from companion.vehicle import Vehicle
 
 Array = NDArray[np.float64]

@@ -28,8 +28,8 @@ from trials.prediction import Forecast
 
 AHEAD = 1.0
 """s of the longer predictions: where the coloured errors of the vehicle's estimate show."""
-STEEP = 5.0
-"""m/s. Beyond it the circle of 5 m needs more tilt than the vehicle file of `sih` allows."""
+STEEP = 8.5
+"""m/s of speed and wind together. Beyond it the circle of 5 m needs more tilt than the vehicle file of `sih` allows."""
 WINDOW = 5.0
 """s over which errors are averaged."""
 NEES_BOUNDS = (0.831, 12.833)
@@ -51,26 +51,35 @@ class Window(NamedTuple):
 
 class Trial(NamedTuple):
     """A flight, and how right its estimator was. ``nis``, ``nis_second``: normalised innovations squared of predictions
-    one state and AHEAD s long, while following."""
+    one state and AHEAD s long, while following. ``scale``: s since following began, relative error of the thrust scale
+    and its true value, every 20 ms."""
 
     flight: Measured
     windows: tuple[Window, ...]
     nis: tuple[float, ...]
     nis_second: tuple[float, ...]
+    scale: NDArray[np.float64]
+
+    def scale_error(self, after: float) -> float:
+        """Of the thrust scale, relative, ``after`` s after its true value stepped."""
+        t, error, true = self.scale.T
+        stepped = t[np.argmax(np.abs(np.diff(true))) + 1]
+        return float(error[np.argmin(np.abs(t - stepped - after))])
 
 
 def trial(
     mission: str, speed: float, where: World, *, hover: float = 1.0, drag: float = 1.0, seed: int = 0,
     duration: float = 60.0,
 ) -> Trial:  # fmt: skip
-    """Fly the SIH vehicle at rates. ``hover``, ``drag``: the vehicle file's over the true ones. Above STEEP the file
+    """Fly the SIH vehicle at rates. ``hover``, ``drag``: the vehicle file's over the true ones. Beyond STEEP the file
     has a tilt of 60 deg."""
     true = machine("sih")
     believed = dataclasses.replace(true, drag=true.drag * drag, hover_thrust=(true.hover_thrust or 0.5) * hover)
-    if speed > STEEP and believed.limits is not None:
+    if speed + math.hypot(*where.wind_n) > STEEP and believed.limits is not None:
         believed = dataclasses.replace(believed, limits=dataclasses.replace(believed.limits, tilt=math.radians(60.0)))
     where = dataclasses.replace(where, truth=dataclasses.replace(where.truth, drag=true.drag))
     rows: list[tuple[float, ...]] = []
+    scales: list[float] = []
     forecasts = Forecast(0.0, true.gravity), Forecast(AHEAD, true.gravity)
     plants: list[Plant] = []
 
@@ -94,12 +103,16 @@ def trial(
         pushed = np.multiply(c, plant.wind_n) + np.multiply(thrust, leaning(truth.q_nb, estimate.state.q_nb))
         error = errors(estimate.estimator.belief, scale, c, pushed)
         rows.append((truth.t_boot - memory.path.follow_from, *error))
+        scales.append(scale)
 
     flight = measure_flight(
         course(mission, speed), believed, where, seed=seed, duration=duration, prepare=prepare, watch=watch
     )
     nis, nis_second = (tuple(value for _, value in forecast.found) for forecast in forecasts)
-    return Trial(flight, windows(np.array(rows)) if rows else (), nis, nis_second)
+    found = np.array(rows) if rows else np.zeros((0, 7))
+    return Trial(
+        flight, windows(found) if rows else (), nis, nis_second, np.column_stack((found[:, 0], found[:, 1], scales))
+    )
 
 
 def thrust_max(plant: Plant) -> float:

@@ -26,12 +26,21 @@ NIS_BOUNDS = (1.237, 14.449)
 def predict(
     x: Array, P: Array, dt: float, F: Vec3, gravity: float, noise: NoiseLevels, learning: bool = True
 ) -> tuple[Array, Array]:
-    """Mean and covariance ``dt`` s later. ``F``: the commanded thrust over mass, lagged by the motors, m/s^2;
-    ``learning``: False freezes k and c."""
+    """Mean and covariance ``dt`` s later. See ``linearised``."""
+    new, A, Q = linearised(x, dt, F, gravity, noise, learning)
+    return new, A @ P @ A.T + np.diag(Q)
+
+
+def linearised(
+    x: Array, dt: float, F: Vec3, gravity: float, noise: NoiseLevels, learning: bool = True
+) -> tuple[Array, Array, Array]:
+    """Mean ``dt`` s later, transition of its deviations, variances of the process noise. ``F``: the commanded thrust
+    over mass, lagged by the motors, m/s^2; ``learning``: False freezes k and c."""
     k, c = x[THRUST_SCALE], x[DRAG]
     A, new, Q = np.eye(SIZE), x.copy(), np.zeros(SIZE)
     if learning:
         Q[THRUST_SCALE:] = model.THRUST_SCALE_Q, model.DRAG_Q
+    lifting = (F[0] ** 2 + F[1] ** 2) * noise.tilt_error * 2.0 / model.DISTURBANCE_TIME[2]
     position_q = model.POSITION_Q + model.POSITION_Q_GAIN * (noise.position - model.POSITION_R_MIN)
     for axis in range(AXES):
         p, v, u, b, d, w, e = range(PER_AXIS * axis, PER_AXIS * (axis + 1))
@@ -50,9 +59,9 @@ def predict(
             A[i, i], Q[i] = 1.0 / (1.0 + dt / time), 2.0 * level / time
             new[i] = x[i] * A[i, i]
         A[d, d] = 1.0 / (1.0 + dt / model.DISTURBANCE_TIME[axis])
-        new[d], Q[d] = x[d] * A[d, d], noise.disturbance_q[axis]
+        new[d], Q[d] = x[d] * A[d, d], noise.disturbance_q[axis] + (lifting if axis == 2 else 0.0)
         Q[p], Q[v] = position_q, model.VELOCITY_Q
-    return new, A @ P @ A.T + np.diag(Q * dt)
+    return new, A, Q * dt
 
 
 def measurement(noise: NoiseLevels) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ angular_damping          how the air damps the turning of the body, found in fli
 kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, and how the reported ones wander
 noise_levels, adaptation how noisy it is, and how that is found
 estimator                what keeps the filter consistent: freezing, clamps, noise, resets
+scale_change             a thrust scale that changes all at once
 predictor                a state advanced by a short time, under the commands already sent
 dead_time                from a state to the moment its command acts
 translation              the translational acceleration

@@ -7,7 +7,7 @@ clamp       ||d - LPF(d)|| is clamped: a vehicle that is restrained is not taken
 levels      how noisy the measurements are follows from their innovations; how much the vehicle's estimate wanders, and
             how strong the gusts are, from what the filter finds of them (expectation maximisation of a stationary
             process: its variance is the mean of estimate squared plus variance of the estimate)
-payload     a vertical disturbance beyond what air does is a change of the thrust scale: its process noise grows
+change      a thrust scale that changes all at once (payload, battery) is looked for: see ``scale_change``
 reset       after a jump of the vehicle's own estimate position, velocity and bias are reset, and their
             cross-covariances zeroed
 """
@@ -26,9 +26,10 @@ from companion.estimation.kalman import (
     reset_disturbance,
     reset_position_velocity,
 )
-from companion.estimation.kalman_step import DOWN, DRAG, EAST, GUST, NORTH, THRUST_SCALE, THRUST_SCALE_Q
+from companion.estimation.kalman_step import DOWN, DRAG, EAST, GUST, NORTH, THRUST_SCALE
 from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.predictor import ForceModel
+from companion.estimation.scale_change import STEADY, ScaleChange, process_noise, update_scale_change
 from companion.estimation.translation import acceleration
 from companion.frames import Matrix3, Vec3, clamped
 
@@ -62,12 +63,6 @@ JUMP_VELOCITY = 0.5
 """m/s of innovation from which on it may be a jump. Engineering choice."""
 JUMP_SIGMAS = 10.0
 """Number of standard deviations of the innovation from which on it is a jump. Engineering choice."""
-VERTICAL_DISTURBANCE_USUAL = 0.28
-"""m/s^2: 2.5 standard deviations of the vertical D + W; what is beyond is taken for a change of the thrust scale.
-Engineering choice."""
-THRUST_SCALE_JUMP_TIME = 0.3
-"""s in which such a change is learned. Sweep over steps of the scale of 20 % in a hover: 4.1 and 2.3 % are left after
-5 s; a push of 3 m/s^2 for 0.5 s leaves 1 %."""
 HOVER_SPEED_MAX = 1.0
 """m/s, below which a tilt at the beginning is taken for the wind's. Engineering choice."""
 RESTRAINED_SPEED_MAX = 0.25
@@ -87,8 +82,6 @@ CONVERGENCE_TIME_MIN = 0.3
 
 ZERO: Vec3 = (0.0, 0.0, 0.0)
 """m and m/s: no difference. By definition."""
-STANDARD_GRAVITY = 9.80665
-"""m/s^2, standard gravity. By definition (CGPM 1901)."""
 
 
 class Prior(NamedTuple):
@@ -104,7 +97,7 @@ class EstimatorState(NamedTuple):
     ``belief``: mean and covariance of the filter's state. ``noise``: how noisy it is. ``disturbance_lpf_n``: m/s^2,
     LPF(d). ``freeze_left``: s left without learning. ``flight_time``: s since the first update.
     ``disturbance_saturated``: whether the clamp acts. ``unexplained_velocity_n``: m/s that a vehicle that stands still
-    should have come to by the forces on it.
+    should have come to by the forces on it. ``change``: what speaks for a change of the thrust scale.
     """
 
     belief: Belief
@@ -114,6 +107,7 @@ class EstimatorState(NamedTuple):
     flight_time: float = 0.0
     disturbance_saturated: bool = False
     unexplained_velocity_n: Vec3 = (0.0, 0.0, 0.0)
+    change: ScaleChange = STEADY
 
     @property
     def restrained(self) -> bool:
@@ -187,8 +181,9 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
     dt, specific_thrust_n, p_n, v_n, limited, jumped, moving = measurement
     freeze_left = FREEZE_TIME if limited else max(0.0, known.freeze_left - dt)
     learning = freeze_left == 0.0
+    noise_of_q = process_noise(known.change, known.belief.drag)
     belief, innovation = predict_and_update(
-        known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning, _thrust_scale_q(known)
+        known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning, *noise_of_q
     )
     flight_time = known.flight_time + dt
     unexplained_velocity_n = (
@@ -200,6 +195,7 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
             freeze_left=FREEZE_TIME,
             flight_time=flight_time,
             unexplained_velocity_n=unexplained_velocity_n,
+            change=STEADY,
         )
     if jumped or _is_jump(innovation):
         return known._replace(
@@ -207,7 +203,11 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
             freeze_left=FREEZE_TIME,
             flight_time=flight_time,
             unexplained_velocity_n=unexplained_velocity_n,
+            change=STEADY,
         )
+    change = STEADY
+    if learning:
+        change = update_scale_change(known.change, known.belief, belief, noise_of_q, dt)
     belief, disturbance_lpf_n, disturbance_saturated = _limit(belief, known.disturbance_lpf_n, dt, flight_time)
     noise = settle_attitude_error(known.noise, dt)
     if not disturbance_saturated:
@@ -223,6 +223,7 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
         flight_time,
         disturbance_saturated,
         unexplained_velocity_n,
+        change,
     )
 
 
@@ -289,9 +290,3 @@ def _limit(belief: Belief, disturbance_lpf_n: Vec3, dt: float, flight_time: floa
         x = (*x[:THRUST_SCALE], scale, drag)
     limited = belief if x is belief.x else belief._replace(x=x)
     return limited, disturbance_lpf_n, disturbance_saturated
-
-
-def _thrust_scale_q(known: EstimatorState) -> float:
-    """1/s, process noise of the thrust scale: more where the vertical disturbance is more than air does."""
-    beyond = max(0.0, abs(known.belief.disturbance_n[2]) - VERTICAL_DISTURBANCE_USUAL) / STANDARD_GRAVITY
-    return THRUST_SCALE_Q + beyond * beyond / THRUST_SCALE_JUMP_TIME

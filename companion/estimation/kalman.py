@@ -40,6 +40,7 @@ from companion.estimation.kalman_step import (
     DISTURBANCE,
     DOWN,
     DRAG,
+    DRAG_Q,
     EAST,
     GUST,
     HEADING_ERROR,
@@ -176,6 +177,8 @@ def initial_belief(
         at = PER_AXIS * axis
         x[at + DISTURBANCE] = disturbance_n[axis]
         S[DIAGONAL[at + DISTURBANCE]] = PRIOR_DISTURBANCE_STD[axis] ** 2
+        if at == DOWN:  # the thrust of a hover leans by as much as the disturbance is level
+            S[DIAGONAL[at + DISTURBANCE]] += noise.tilt_error * (disturbance_n[0] ** 2 + disturbance_n[1] ** 2)
         S[DIAGONAL[at + GUST]] = noise.gust[axis]
         S[DIAGONAL[at + HEADING_ERROR]] = noise.heading_error
     x[THRUST_SCALE], x[DRAG] = thrust_scale[0], drag[0]
@@ -212,17 +215,17 @@ def reset_disturbance(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3,
 
 def predict_and_update(
     belief: Belief, dt: float, specific_thrust_n: Vec3, gravity: float, p_n: Vec3, v_n: Vec3,
-    noise: NoiseLevels, learning: bool, thrust_scale_q: float = THRUST_SCALE_Q,
+    noise: NoiseLevels, learning: bool, thrust_scale_q: float = THRUST_SCALE_Q, drag_q: float = DRAG_Q,
 ) -> tuple[Belief, Innovation]:  # fmt: skip
     """``belief`` ``dt`` s later, after a measurement of position (m) and velocity (m/s).
 
-    ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes k and c. ``thrust_scale_q``: 1/s, process noise of
-    k.
+    ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes k and c. ``thrust_scale_q``: 1/s, ``drag_q``:
+    1/s^3, process noise of k and of c.
     """
     told = step_of(learning, machine_code.in_use)(
         dt, *specific_thrust_n, gravity, *p_n, *v_n, noise.position, noise.velocity, *noise.wander,
-        *noise.velocity_error, *noise.gust, *noise.disturbance_q, noise.heading_error, thrust_scale_q,
-        *belief.x, *belief.S, *belief.G, *belief.T,
+        *noise.velocity_error, *noise.gust, *noise.disturbance_q, noise.heading_error, noise.tilt_error,
+        thrust_scale_q, drag_q, *belief.x, *belief.S, *belief.G, *belief.T,
     )  # fmt: skip
     x, S, G, T = told[:SIZE], told[SIZE:G_AT], told[G_AT:T_AT], told[T_AT : T_AT + 3]
     return Belief(x, S, G, T), Innovation(told[T_AT + 3 : -6], told[-6:])  # type: ignore[arg-type]

@@ -93,27 +93,29 @@ def _record_step(name: str, *, learning: bool) -> Function:
     noise_p, noise_v = tape.inputs("rp", "rv")
     levels = [tape.inputs(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
     disturbance_q = tape.inputs("qdx", "qdy", "qdz")
-    (heading_error,) = tape.inputs("e")
-    (scale_q,) = tape.inputs("qk")
+    heading_error, tilt_error = tape.inputs("e", "t")
+    scale_q, drag_q = tape.inputs("qk", "qc")
     states = [tape.inputs(*(f"x{axis}{i}" for i in range(PER_AXIS))) for axis in range(AXES)]
     scale, c = tape.inputs("k", "c")
     upper = [tape.inputs(*(f"s{axis}{i}{j}" for i, j in UPPER)) for axis in range(AXES)]
     slopes = [tape.inputs(*(f"g{axis}{i}{k}" for i in range(PER_AXIS) for k in "kc")) for axis in range(AXES)]
     tkk, tkc, tcc = tape.inputs("tkk", "tkc", "tcc")
     T: Matrix = [[tkk, tkc], [tkc, tcc]]
-    Q = (scale_q * dt, DRAG_Q * dt)
+    Q = (scale_q * dt, drag_q * dt)
     across: tuple[Scalar, ...] = (F[1] * -1.0, F[0], 0.0)  # e3 x F, by which E turns it
     f = [known - x[HEADING_ERROR] * turn for known, x, turn in zip(F, states, across, strict=True)]
     accelerations = acceleration(
         (scale * f[0], scale * f[1], scale * f[2]), _each(states, VELOCITY), g, c,
         _each([[*x, x[DISTURBANCE] + x[GUST]] for x in states], PER_AXIS),
     )  # fmt: skip
+    # what a tilt error makes of a thrust that leans is vertical
+    lifting = (F[0] * F[0] + F[1] * F[1]) * tilt_error * (2.0 / DISTURBANCE_TIME[AXES - 1])
     axes = []
     for axis, (x, S, G) in enumerate(zip(states, upper, slopes, strict=True)):
         u, b, w = (level[axis] for level in levels)
         noises = (
             POSITION_Q + (noise_p - POSITION_R_MIN) * POSITION_Q_GAIN, VELOCITY_Q, u * (2.0 / WANDER_TIME),
-            b * (2.0 / VELOCITY_ERROR_TIME), disturbance_q[axis],
+            b * (2.0 / VELOCITY_ERROR_TIME), disturbance_q[axis] + (lifting if axis == AXES - 1 else 0.0),
             w * (2.0 / GUST_TIME), heading_error * (2.0 / HEADING_ERROR_TIME),
         )  # fmt: skip
         rows, by_q = _transition(axis, dt, c, scale * across[axis]), (f[axis], x[VELOCITY])

@@ -111,9 +111,10 @@ def update_yaw_loop_estimate(
     ran, waited = known.ran + dt, known.waited + dt
     off = rate[2] - known.rate_mean
     share = dt / MEAN_TIME
-    known = known._replace(
-        rate=rate, drive=drive, integral=integral, last=r, rate_mean=known.rate_mean + share * off,
-        swing=(1.0 - share) * (known.swing + share * off * off), ran=ran, waited=waited, at=now,
+    known = YawLoopEstimate(
+        known.prior, known.unknowns, known.covariance, rate, drive, integral, last=r,
+        rate_mean=known.rate_mean + share * off, swing=(1.0 - share) * (known.swing + share * off * off),
+        ran=ran, waited=waited, at=now,
     )  # fmt: skip
     if waited < PERIOD or ran < SETTLING_TIME or known.swing < SWING_MIN:
         return known

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
-from companion.calculus.expression import Expression
+from companion.calculus.expression import Expression, parse
 from companion.calculus.scalar import Scalar
 from companion.frames import Vec3
 from companion.paths.arc import ArcTable
@@ -42,4 +42,14 @@ class ImplicitPath:
         PathError: h1 = h2 = 0 is no path there."""
         if self.near is None:
             raise PathError("is not known to lie anywhere: no point near it is given")
-        return trace_curve(self.h, self.placement.to_local(self.near))
+        constants = tuple(sorted(self.constants.items()))
+        return _traced(self.h1.text, self.h2.text, self.near, constants, self.placement)
+
+
+@lru_cache(maxsize=16)
+def _traced(
+    h1: str, h2: str, near: Vec3, constants: tuple[tuple[str, float], ...], placement: Placement
+) -> ArcTable:  # fmt: skip
+    """Once for many flights along the same path."""
+    path = ImplicitPath(parse(h1, None), parse(h2, None), near, dict(constants), placement)
+    return trace_curve(path.h, placement.to_local(near))

@@ -172,7 +172,7 @@ def update_yaw_ahead(yaw: YawMemory, ahead: YawAhead, dt: float) -> YawMemory:
     k = min(1.0, 2.0 * dt / SMOOTHING_TIME)
     (more, derivative), (more_now, derivative_now) = yaw.ahead, ahead
     smoothed = YawAhead(more + k * (more_now - more), derivative + k * (derivative_now - derivative))
-    return yaw._replace(ahead=smoothed, pending=None)
+    return YawMemory(smoothed, None, yaw.requested)
 
 
 def look_ahead(
@@ -213,9 +213,10 @@ def _later(
     specific_thrust_n: Vec3 = (f * r[2] + g * r_then[2], f * r[5] + g * r_then[5], f * r[8] + g * r_then[8])
     ax, ay, az = acceleration(specific_thrust_n, flying.v_n, gravity, flying.drag, flying.disturbance)
     half = 0.5 * h
-    return flying._replace(
-        p_n=(x + h * (vx + half * ax), y + h * (vy + half * ay), z + h * (vz + half * az)),
-        v_n=(vx + h * ax, vy + h * ay, vz + h * az),
-        r_nb=r_then,
-        zeta=zeta,
+    return Flying(
+        (x + h * (vx + half * ax), y + h * (vy + half * ay), z + h * (vz + half * az)),
+        (vx + h * ax, vy + h * ay, vz + h * az),
+        r_then,
+        zeta,
+        *flying[4:],
     )

@@ -10,7 +10,7 @@ import pytest
 
 from companion.estimation.estimator import Measurement, Prior, initial_estimator_state, update_estimate
 from companion.frames import rotation_matrix
-from companion.world.events import Push, When
+from companion.world.events import After, Event, MotorFailure, PayloadDrop, Push, When
 from trials.consistency import trial
 from trials.measured import world
 from trials.prediction import NIS_BOUNDS, share_inside
@@ -75,6 +75,22 @@ def test_a_payload_that_is_dropped_is_followed(step: float) -> None:
         state = update_estimate(state, measurement, G)
     assert state.belief.thrust_scale == pytest.approx(step, rel=0.05)
     assert abs(state.belief.disturbance_n[2]) < 0.4
+
+
+@pytest.mark.parametrize(
+    ("speed", "event"),
+    [
+        (3.0, PayloadDrop(When(24.0, 24.0, After.OFFBOARD), 0.2)),
+        (5.0, MotorFailure(When(24.0, after=After.OFFBOARD), None, 0.8)),
+    ],
+)
+def test_a_step_of_the_thrust_scale_is_followed_on_the_circle(speed: float, event: Event) -> None:
+    """A fifth of the mass falls off, or all motors give a fifth less: within 5 % after 5 s."""
+    where = dataclasses.replace(world("sih_noisy"), wind_n=(-2.0, 2.2, 0.0), events=(event,))
+    done = trial("circle_r5", speed, where, seed=11, duration=29.0)
+    assert done.flight.reason is None
+    assert abs(done.scale_error(0.1)) > 0.15
+    assert abs(done.scale_error(5.0)) < 0.05
 
 
 def test_a_push_from_above_that_ends_is_no_payload() -> None:
