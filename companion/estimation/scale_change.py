@@ -4,7 +4,7 @@ The filter's thrust scale k hardly moves in a second. What does not fit it is ta
 estimate and for gusts, and stays there for as long as these last. So it is tested for a change: the score of k, which
 is what the measurements of the last MEMORY pull at it, against its deviation,
 
-    z = y sqrt(2 / I)       y: sum of slope times residual over variance, fading;  I: of slope^2 over variance
+    z = y / sqrt(V)       y: sum of slope times residual over variance, fading;  V: its variance
 
 the slope by which an innovation goes with k being the filter's own. Both follow from what a step did to k, c and their
 covariance T: the information it brought is T'^-1 - T^-1, the score T'^-1 (q' - q). Once |z| is above SIGMAS, k (and
@@ -20,12 +20,12 @@ from companion.estimation.kalman import Belief
 from companion.estimation.kalman_step import DRAG, DRAG_Q, THRUST_SCALE, THRUST_SCALE_Q
 from companion.frames import clamped
 
-MEMORY = 0.2
-"""s, time constant of the score. Sweep over recorded steps of the scale by +25 and -20 % in sih_noisy: 0.1 to 0.3 s do
-equally well, 0.7 s leaves twice as much."""
-SIGMAS = 5.0
-"""Number of standard deviations of the score from which on the scale has changed. Simulated: in half an hour of
-sih_noisy without a change it came to 4.5 at most; a step of 20 % passes it within 0.3 s."""
+MEMORY = 1.0
+"""s, time constant of the score. Sweep over recorded flights in sih_noisy: in steps of the scale by +25 and -20 % it
+comes to 5 to 9 deviations with 0.8 to 1.2 s, without one to 3 (once 4). With 0.2 s to 4.6 to 9, and to 4.5 (once
+5.9)."""
+SIGMAS = 4.0
+"""Number of standard deviations of the score from which on the scale has changed. The same sweep."""
 STEP_SIGMAS = 3.0
 """Number of standard deviations that one step counts for at most: a glitch is no change. Engineering choice."""
 LOOSE_TIME = 4.0
@@ -37,10 +37,12 @@ of what is left. The same sweep: the deviation at its end, not the way there, is
 
 
 class ScaleChange(NamedTuple):
-    """``score``, ``information``: y and I. ``loose``: s for which the scale is loose still."""
+    """``score``: y; ``information``: what it goes by a change of k with; ``variance``: V. ``loose``: s for which the
+    scale is loose still."""
 
     score: float = 0.0
     information: float = 0.0
+    variance: float = 0.0
     loose: float = 0.0
 
 
@@ -74,5 +76,6 @@ def update_scale_change(
     information = keep * change.information + gained
     # what k has moved by, the measurements before no longer ask for
     score = keep * change.score + pull - information * moved
-    changed = 2.0 * score * score > SIGMAS * SIGMAS * information
-    return ScaleChange(score, information, LOOSE_TIME if changed else 0.0)
+    variance = keep * keep * change.variance + gained
+    changed = score * score > SIGMAS * SIGMAS * variance
+    return ScaleChange(score, information, variance, LOOSE_TIME if changed else 0.0)
