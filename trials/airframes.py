@@ -66,8 +66,8 @@ def drawn(seed: int) -> Airframe:
     assert usual.limits is not None
     limits = dataclasses.replace(usual.limits, body_rates=(*usual.limits.body_rates[:2], YAW_RATE_MAX))
     told = dataclasses.replace(
-        usual, limits=limits, mass=mass * rng.uniform(0.95, 1.05), inertia=(jx * around, jy * around, min(jz * about, 1.9 * jx * around)),
-        rotors=rotors, drag=0.2, hover_thrust=None,
+        usual, limits=limits, mass=mass * rng.uniform(0.95, 1.05),
+        inertia=(jx * around, jy * around, min(jz * about, 0.98 * (jx + jy) * around)), rotors=rotors, drag=0.2, hover_thrust=None,
     )  # fmt: skip
     where = world("sih_noisy", wind_n=(rng.uniform(-4.0, 4.0), rng.uniform(-4.0, 4.0), 0.0), truth=truth)
     return Airframe(told, where, torque)

@@ -32,3 +32,9 @@ def test_an_airframe_that_nobody_knows_holds_its_nose_along_the_path(seed: int) 
     assert result.believed.path < PATH_MOST, drawn(seed).words()
     if motor_share(drawn(seed)) <= 1.0:
         assert result.believed.yaw < YAW_MOST, drawn(seed).words()
+
+
+def test_what_is_told_of_an_airframe_could_stand_in_a_vehicle_file() -> None:
+    for seed in range(300):
+        inertia = drawn(seed).told.inertia
+        assert 2.0 * max(inertia) <= sum(inertia), f"seed {seed}: {inertia} is no rigid body's"
