@@ -96,7 +96,7 @@ def _client(distributed: Any, workers: int, scheduler: str | None) -> Iterator[A
             yield client
         return
     with (
-        # dask's profile of its workers grows for an hour (50 MB in two dozen flights) and takes a twentieth of their time
+        # dask's profile of its workers grows for an hour (50 MB in two dozen flights), and takes 5 % of their time
         dask.config.set({"distributed.worker.profile.enabled": False}),
         distributed.LocalCluster(
             n_workers=workers,
