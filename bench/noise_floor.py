@@ -26,7 +26,7 @@ from companion.plan import gains_of, prepared
 from companion.vehicle import OutputLevel, Tuning, Vehicle
 from trials.measured import course, machine
 
-CASES = (("circle_r5", 3.0, 1.0), ("circle_r5", 5.0, 1.0), ("circle_r5", 7.0, 0.867), ("figure8", 3.0, 1.0))
+CASES = (("circle_r5", 3.0, 1.0), ("circle_r5", 5.0, 1.0), ("circle_r5", 7.0, 0.904), ("figure8", 3.0, 1.0))
 """Mission, m/s, scale on the path poles: what steering.path_poles leaves of them in flight where the tilt is steep."""
 PLACES = 12
 """Number of places along a path that bends."""

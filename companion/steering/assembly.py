@@ -14,7 +14,7 @@ from companion.law.gains import AUTO_POLE_RANGE, PATH_POLES, Level
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
 from companion.steering.motors import MotorSteering
-from companion.steering.path_poles import AS_WRITTEN, PoleChoice
+from companion.steering.path_poles import AS_WRITTEN, TILT_BEYOND, PoleChoice, steep_scale
 from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
 from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
@@ -28,15 +28,16 @@ TILT_MAX = math.radians(80.0)
 """rad, of a vehicle without a limit: its tangent is still a number. Engineering choice."""
 
 
-def pole_choice(path_pole: float, vehicle: Vehicle) -> PoleChoice:
-    """How far poles (1/s) that were chosen may be lowered: to the least that is chosen, AUTO_POLE_RANGE."""
-    least, limits = AUTO_POLE_RANGE[Level.RATES][0], vehicle.limits
-    return PoleChoice(
-        min(1.0, -least / path_pole),
-        PATH_POLES[Level.RATES][0] / path_pole,
-        -path_pole,
-        math.inf if limits is None else limits.failure_detector,
-    )
+def pole_choice(path_pole: float, vehicle: Vehicle, course: Course | None = None) -> PoleChoice:
+    """How far poles (1/s) that were chosen may be lowered: to the least that is chosen, AUTO_POLE_RANGE. ``course``:
+    the path, which may be steep."""
+    least, limits = min(1.0, -AUTO_POLE_RANGE[Level.RATES][0] / path_pole), vehicle.limits
+    steepest, most = math.inf if limits is None else limits.failure_detector, 1.0
+    if course is not None:
+        across, fastest = course.hardest
+        lean = math.atan2(math.hypot(across, vehicle.drag * fastest), vehicle.gravity)
+        most = max(steep_scale(lean + TILT_BEYOND, -path_pole, steepest), least)
+    return PoleChoice(least, PATH_POLES[Level.RATES][0] / path_pole, most, -path_pole, steepest)
 
 
 def rate_steering(
@@ -78,7 +79,7 @@ def rate_steering(
         heading=heading,
         per_rate=per_rate,
         path_pole=math.nan if path_pole is None else path_pole,
-        pole_choice=AS_WRITTEN if path_pole is None else pole_choice(path_pole, vehicle),
+        pole_choice=AS_WRITTEN if path_pole is None else pole_choice(path_pole, vehicle, course),
     )
 
 

@@ -36,11 +36,14 @@ KNOWN_AFTER = 1.0
 """s of commands before the path after which the roughness is believed. Engineering choice."""
 LOWERING_TIME = 5.0
 """s in which poles are lowered from 1 to nothing at the soonest. Engineering choice."""
-TILT_PER_POLE = math.radians(1.23)
+TILT_PER_POLE = math.radians(1.18)
 """rad s: room for the tilt per 1/s of the poles. Simulated on sih_noisy, circle r5 at 7 m/s (a steady 51 deg): the tilt
-shakes by 2.2 deg at -6 and by 2.6 at -7.5; in 3 m/s of wind -7.5 was handed back, -6.5 in none of five flights."""
+shakes by 2.2 deg at -6 and by 2.6 at -7.5; -7.5 was handed back in still air and in wind, -6.8 in none of five flights
+and in no wind of four."""
 TILT_ROOM_MIN = math.radians(8.0)
 """rad of it that the speed governor leaves. As UNDER_DETECTOR (steering.assembly)."""
+TILT_BEYOND = math.radians(1.2)
+"""rad by which a mean over TILT_TIME is beyond the steady tilt of a path. Simulated: circle r5, 7 m/s, sih_noisy."""
 TILT_TIME = 1.0
 """s over which the tilt is averaged. Engineering choice: so long does a vehicle lean where a circle meets the wind."""
 STEP_MAX = 0.03
@@ -65,11 +68,13 @@ class PathPoles(NamedTuple):
 
 class PoleChoice(NamedTuple):
     """``least``: the least scale; 1 where poles are written, which are flown as they are. ``hold_scale``: the poles of
-    the hold before a path over those of the path. ``pole``: 1/s, of the path, its size. ``steepest``: rad, the tilt at
-    which the vehicle's failure detector ends a flight."""
+    the hold before a path over those of the path. ``most``: the largest scale, by the tilt of the path in still air.
+    ``pole``: 1/s, of the path, its size. ``steepest``: rad, the tilt at which the vehicle's failure detector ends a
+    flight."""
 
     least: float = 1.0
     hold_scale: float = 1.0
+    most: float = 1.0
     pole: float = 0.0
     steepest: float = math.inf
 
@@ -84,19 +89,24 @@ def update_path_poles(
     if choice.least >= 1.0:
         return poles
     if along and not poles.begun:
-        scale = 1.0
+        scale = choice.most
         if poles.known > KNOWN_AFTER:
-            scale = min(max(choice.hold_scale * _ratio(poles), choice.least), 1.0)
+            scale = min(max(choice.hold_scale * _ratio(poles), choice.least), scale)
         return PathPoles(scale, True, last=rates_b)  # what the hold's poles made of the noise is not theirs
     poles = _observe(poles, rates_b, dt)
     if not along:
         return poles
     poles = poles._replace(tilt=poles.tilt + min(dt / TILT_TIME, 1.0) * (tilt - poles.tilt))
-    wanted = max(choice.steepest - poles.tilt, TILT_ROOM_MIN) / (TILT_PER_POLE * choice.pole)
+    wanted = steep_scale(poles.tilt, choice.pole, choice.steepest)
     if poles.known >= ROUGHNESS_TIME:
         wanted = min(wanted, poles.scale * _ratio(poles))
     wanted = max(wanted, choice.least)
     return poles if wanted >= poles.scale else poles._replace(scale=max(wanted, poles.scale - dt / LOWERING_TIME))
+
+
+def steep_scale(tilt: float, pole: float, steepest: float) -> float:
+    """The scale that the room from a tilt to the steepest (rad) leaves to a pole (1/s)."""
+    return min(max(steepest - tilt, TILT_ROOM_MIN) / (TILT_PER_POLE * pole), 1.0)
 
 
 def _ratio(poles: PathPoles) -> float:

@@ -20,6 +20,7 @@ from companion.steering.path_poles import (
     PathPoles,
     update_path_poles,
 )
+from companion.steering.speed_governor import Course, Place
 from trials.measured import machine
 
 DT = 0.008
@@ -77,10 +78,10 @@ def test_on_the_path_they_are_only_lowered_and_take_their_time() -> None:
     assert flown(loud[-1], 0.0, 2.0, along=False)[-1].scale == loud[-1].scale
 
 
-@pytest.mark.parametrize(("room", "pole"), [(30.0, 7.5), (9.0, 9.0 / 1.23), (6.0, 8.0 / 1.23), (-5.0, 8.0 / 1.23)])
+@pytest.mark.parametrize(("room", "pole"), [(30.0, 7.5), (8.5, 8.5 / 1.18), (6.0, 8.0 / 1.18), (-5.0, 8.0 / 1.18)])
 def test_where_the_vehicle_leans_steeply_they_are_slower(room: float, pole: float) -> None:
-    """At most the room to the failure detector over 1.23 deg; the speed governor leaves 8 deg of it."""
-    assert math.degrees(TILT_PER_POLE) == pytest.approx(1.23)
+    """At most the room to the failure detector over 1.18 deg; the speed governor leaves 8 deg of it."""
+    assert math.degrees(TILT_PER_POLE) == pytest.approx(1.18)
     quick = pole_choice(-7.5, machine("sih"))
     steep = flown(
         PathPoles(begun=True), 0.0, 12.0 * TILT_TIME, along=True, choice=quick, tilt=math.radians(60.0 - room)
@@ -89,6 +90,16 @@ def test_where_the_vehicle_leans_steeply_they_are_slower(room: float, pole: floa
     assert min(np.diff([poles.scale for poles in steep])) >= -DT / LOWERING_TIME - 1e-9
     after = flown(steep[-1], 0.0, 20.0, along=True, choice=quick, tilt=0.1)[-1]
     assert after.scale == steep[-1].scale
+
+
+@pytest.mark.parametrize(("across", "scale"), [(1.8, 1.0), (9.8, 8.0 / 1.18 / 7.5), (30.0, 8.0 / 1.18 / 7.5)])
+def test_a_path_that_is_steep_begins_with_slower_ones(across: float, scale: float) -> None:
+    """9.8 m/s^2 across and 7 of drag: 51 deg."""
+    place = Place((1.0, 0.0, 0.0), (0.0, across / 49.0, 0.0), 7.0)
+    choice = pole_choice(-7.5, machine("sih"), Course((place,), 0.4, True, 1.0))
+    assert choice.most == pytest.approx(scale, rel=0.01)
+    begun = update_path_poles(PathPoles(), choice, (0.0, 0.0, 0.0), 0.0, DT, along=True)
+    assert begun.scale == choice.most
 
 
 def test_a_steep_bend_that_is_short_changes_nothing() -> None:
