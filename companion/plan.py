@@ -123,7 +123,9 @@ def gains_of(mission: Mission, vehicle: Vehicle, level: OutputLevel, tuning: Tun
     if level is OutputLevel.ATTITUDE:
         lag += as_attitude(tuning).smoothing
     waiting = vehicle.dead_time + HOLD
-    return auto_gains(law_level(level), lag + waiting, vehicle.motor_lag + waiting)
+    # at attitude PX4 holds the last thrust for a second: the height is to be caught without tilting far
+    thrust_horizon = vehicle.motor_lag + waiting if level is OutputLevel.RATES else None
+    return auto_gains(law_level(level), lag + waiting, thrust_horizon)
 
 
 def _steering(

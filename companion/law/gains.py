@@ -93,17 +93,18 @@ YAW_POLES = {Level.MOTORS: (-2.0,) * 2, Level.RATES: (-2.25,)}
 """1/s, of h4. Engineering choice: slower than PX4's yaw loop (MC_YAW_P 2.8)."""
 
 
-AUTO_POLE_TIME = {Level.RATES: 0.62, Level.MOTORS: 0.5}
+AUTO_POLE_TIME = {Level.RATES: 0.6, Level.MOTORS: 0.5}
 """rad: path poles chosen for a flight times the horizon of the prediction. Engineering choice: of a horizon a third is
-counted on to be wrong. Three poles at rates cross over at 2.7 L, and 2.7 L h / 3 = 0.56 rad of phase are lost (32 deg)
+counted on to be wrong. Three poles at rates cross over at 2.7 L, and 2.7 L h / 3 = 0.54 rad of phase are lost (31 deg)
 of 69; three equal ones, as at motors beside the fourth, cross over at 3 L and lose 0.5 rad at 0.5."""
 AUTO_DAMPING = 0.85
 """Ratio, of the pair of path poles at rates that stands beside -L, as far from zero. bench.noise_floor: for commands of
 the same size 3 % nearer to the path than three equal ones. With 0.7 5 %, but where the vehicle leans by 51 deg (circle
 r5 at 7 m/s, simulated on sih_noisy) it was handed back in two flights of three; with this in none of eight."""
-AUTO_POLE_RANGE = {Level.RATES: (4.0, 7.5), Level.MOTORS: (4.0, 6.0)}
-"""1/s. Simulated on sih_noisy, circle r5 at 3 m/s, level part of the distance: -6 1.5 cm, -7 1.3, -8 1.2. Heading and
-what it costs: docs/estimation.md. At motors, 40 s at 3 m/s: -5 4.1 cm, -6 2.8."""
+AUTO_POLE_RANGE = {Level.RATES: (4.0, 7.0), Level.MOTORS: (4.0, 6.0)}
+"""1/s. Simulated on sih_noisy, circle r5 at 3 m/s, level part of the distance: -6 1.5 cm, -7 1.3, -8 1.2. At -7.5 a
+vehicle whose setpoints come later and later tilts by 53 deg until it is handed back, and by under 45 at -7. Heading:
+docs/estimation.md. At motors, 40 s at 3 m/s: -5 4.1 cm, -6 2.8."""
 VERTICAL_POLE_MAX = 10.5
 """1/s, of the height at rates. Simulated likewise, vertical part: -6 2.1 cm, -9 1.5, -10 1.3; the thrust commanded
 changes by 0.2, 0.35 and 0.45 % of its range from state to state."""
@@ -115,9 +116,10 @@ second one on an airframe with motors of 56 ms, told 25, and a thrust curve (see
 THRUST_HORIZON_MOST = 0.068
 """s: motors of 60 ms, dead time and hold. Engineering choice: nothing finds their lag in flight, so the slowest of
 bench.airframes are counted on."""
-SPEED_POLE_MAX = 6.0
+SPEED_POLE_MAX = 3.0
 """1/s, of the speed at rates. Simulated likewise: -2.5 2.3 % of the speed, -5 1.9, -6 1.8; path and heading are the
-same."""
+same. Where the state freezes but for its noise, a vehicle tilts by 60 deg with -6 until it is handed back, by 49 with
+-4 and by under 45 with -3."""
 
 
 BODY_POLE_TIME = 0.8
@@ -128,9 +130,9 @@ BODY_POLE_RANGE = (6.0, 14.0)
 states a second the loop is stable with -14, and hardly with -20."""
 
 
-def auto_gains(level: Level, horizon: float, thrust_horizon: float) -> Gains:
+def auto_gains(level: Level, horizon: float, thrust_horizon: float | None) -> Gains:
     """The gains chosen for a flight whose mission writes none. ``horizon``: s, dead time and lag of the rate loop, or
-    of the motors. ``thrust_horizon``: s, dead time and lag of the motors.
+    of the motors. ``thrust_horizon``: s, dead time and lag of the motors; None: the height has no poles of its own.
 
     The estimate's wander and what is unknown of the forces put an error of 3 / L^2 times their acceleration beside the
     path, so poles are as fast as the horizon allows; noise puts L times itself into the commands, and into the tilt.
@@ -143,6 +145,8 @@ def auto_gains(level: Level, horizon: float, thrust_horizon: float) -> Gains:
     pole = -min(max(time / horizon, least), most)
     if level is Level.RATES:
         path, speed = from_poles(_spread(pole)), max(pole, -SPEED_POLE_MAX)
+        if thrust_horizon is None:
+            return Gains(path, path, from_poles((speed,) * 2), usual.h4)
         late = max(thrust_horizon - horizon, THRUST_HORIZON_MOST - thrust_horizon, 1e-6)
         vertical = -max(min(time / thrust_horizon, VERTICAL_POLE_MAX, VERTICAL_POLE_LEAD / late), least)
         return Gains(path, path, from_poles((speed,) * 2), usual.h4, from_poles(_spread(vertical)))

@@ -53,6 +53,7 @@ from companion.steering.shared import (
 )
 from companion.steering.speed_governor import Capability, Course
 from companion.steering.steering import Aim, Along, Steered
+from companion.steering.tilt_margin import MARGIN_FIRST, update_tilt_margin
 from companion.steering.timing import Timing
 from companion.thrust_range import THRUST_USED_MAX, ThrustRange
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
@@ -84,6 +85,7 @@ class MotorMemory(NamedTuple):
     commands: tuple[TimedWrench, ...]
     extension: Extension
     governor: SpeedScale = UNITY
+    tilt_margin: float = MARGIN_FIRST
     delay: float | None = None
     limited: bool = False
     moving: bool = False
@@ -134,7 +136,7 @@ class MotorSteering:
         timing = Timing(memory.delay, 0.5 * dt, self.vehicle.motor_lag, 0.0)
         forces = self._forces(memory.estimate)
         predicted = predict_motors(memory.estimate, forces, self.body, memory.commands, timing.horizon)
-        capability = self._capability(forces)
+        capability = self._capability(forces, memory.tilt_margin)
         governor, aim = govern_aim(memory.governor, self.course, aim, capability, dt)
         extension = memory.extension.after(timing.hold)
         command = ask(self.law, self.hold, _flying(predicted, extension, forces, aim), aim)
@@ -192,9 +194,9 @@ class MotorSteering:
             return estimate.motion.forces
         return ForceModel(1.0, self.vehicle.drag, NO_DISTURBANCE, self.vehicle.gravity)
 
-    def _capability(self, forces: ForceModel) -> Capability:
+    def _capability(self, forces: ForceModel, tilt_margin: float) -> Capability:
         most = THRUST_USED_MAX * forces.thrust_scale * self.allocation.thrust_max / self.vehicle.mass
-        return capability_of(forces, most, self.tan_tilt_max)
+        return capability_of(forces, most, self.tan_tilt_max, tilt_margin)
 
     def _within_rates(self, torque: Vec3, w_b: Vec3) -> Vec3:
         """``torque`` (N m) as if the body rates that the law heads for, w + w'/k, were bounded as at rates: far beside
@@ -239,6 +241,7 @@ class MotorSteering:
             commands=(*memory.commands, TimedWrench(at, sent)),
             extension=Extension(later, later_dot, zeta_ddot),
             governor=governor,
+            tilt_margin=update_tilt_margin(memory.tilt_margin, estimate.motion.state.tilt, self.vehicle.limits, dt),
             delay=memory.delay,
             limited=bound or share > THRUST_NEAR_SATURATION,
             moving=is_to_move(command, aim),

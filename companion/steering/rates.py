@@ -64,6 +64,7 @@ from companion.steering.shared import (
 )
 from companion.steering.speed_governor import Capability, Course
 from companion.steering.steering import Aim, Along, Steered
+from companion.steering.tilt_margin import update_tilt_margin
 from companion.steering.timing import Timing
 from companion.steering.yaw import (
     USUAL_THRUST_PER_RATE,
@@ -118,7 +119,7 @@ class RateSteering:
         memory = self._estimate(self.learn(memory), state, dt, round_trip)
         timing = self._timing(memory, dt)
         predicted = predict_vehicle(memory.estimate, memory.commands, timing.horizon)
-        capability = self._capability(memory.estimate)
+        capability = self._capability(memory)
         governor, aim = govern_aim(memory.governor, self.course, aim, capability, dt)
         flying = self._flying(memory, predicted, aim)
         command = self._ask(flying, aim)
@@ -138,6 +139,7 @@ class RateSteering:
             poles=update_path_poles(
                 memory.poles, self.pole_choice, rates.sent, tilt(flying.r_nb), dt, along=isinstance(aim, Along)
             ),
+            tilt_margin=update_tilt_margin(memory.tilt_margin, state.tilt, self.vehicle.limits, dt),
             delay=memory.delay,
             limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
             moving=is_to_move(command, aim),
@@ -189,18 +191,18 @@ class RateSteering:
         estimate = advance_estimate(memory.estimate, memory.commands, state, memory.limited, memory.moving)
         commands = recent_commands(memory.commands, state.t_boot - COMMANDS_KEPT)
         return RateMemory(
-            estimate, commands, memory.zeta, memory.governor, memory.yaw, memory.poles, delay, memory.limited,
-            memory.moving,
+            estimate, commands, memory.zeta, memory.governor, memory.yaw, memory.poles, memory.tilt_margin, delay,
+            memory.limited, memory.moving,
         )  # fmt: skip
 
     def _timing(self, memory: RateMemory, dt: float) -> Timing:
         assert memory.delay is not None
         return Timing(memory.delay, 0.5 * dt, memory.estimate.rate_loop.lag, self.encoding.smoothing)
 
-    def _capability(self, estimate: VehicleEstimate) -> Capability:
-        forces = estimate.motion.forces
+    def _capability(self, memory: RateMemory) -> Capability:
+        forces = memory.estimate.motion.forces
         most = THRUST_MAX * forces.thrust_scale * forces.gravity / self.hover_thrust
-        return capability_of(forces, most, self.tan_tilt_max)
+        return capability_of(forces, most, self.tan_tilt_max, memory.tilt_margin)
 
     def _flying(self, memory: RateMemory, predicted: PredictedState, aim: Aim) -> Flying:
         """The predicted state as the law takes it."""

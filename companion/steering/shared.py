@@ -34,8 +34,10 @@ def begins_anew(gap: float, dt: float) -> bool:
     return dt == 0.0 or gap > GAP_MAX
 
 
-def capability_of(forces: ForceModel, specific_thrust: float, tan_tilt_max: float) -> Capability:
-    """``specific_thrust``: m/s^2, the largest as the vehicle makes it."""
+def capability_of(forces: ForceModel, specific_thrust: float, tan_tilt_max: float, tilt_margin: float) -> Capability:
+    """``specific_thrust``: m/s^2, the largest as the vehicle makes it. ``tilt_margin``: rad under the steepest tilt."""
+    if tilt_margin > 0.0:
+        tan_tilt_max = math.tan(math.atan(tan_tilt_max) - tilt_margin)
     return Capability(specific_thrust, tan_tilt_max, forces.drag, forces.disturbance_n, forces.gravity)
 
 

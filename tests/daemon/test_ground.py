@@ -215,7 +215,7 @@ def test_what_is_told_as_set_is_set() -> None:
     assert plan.path_pole is not None
     assert after_a_tick_in(Phase.STAND_BY, "PF_TUBE", 3.0).path_pole == plan.path_pole
     assert after_a_tick_in(Phase.SETTLE, "PF_POLE_PATH", 3.0) is plan
-    assert "PF_POLE_PATH stays 7.5: it can be set only while" in notes[-1]
+    assert "PF_POLE_PATH stays 7: it can be set only while" in notes[-1]
     assert after_a_tick_in(Phase.STAND_BY, "PF_POLE_PATH", 3.0).path_pole is None
     assert ground.apply_settings(plan, 0.0, None) is plan
 

@@ -38,13 +38,14 @@ def test_complex_poles_come_in_pairs_and_make_real_gains() -> None:
 
 def test_gains_chosen_for_a_flight_are_as_fast_as_the_delay_allows() -> None:
     chosen = [auto_gains(Level.RATES, horizon, 0.8 * horizon) for horizon in (0.05, 0.1, 0.3)]
-    for output, wanted in (("h1", [-7.5, -6.2, -4.0]), ("vertical", [-10.5, -7.75, -4.0]), ("h3", [-6.0, -6.0, -4.0])):
+    for output, wanted in (("h1", [-7.0, -6.0, -4.0]), ("vertical", [-10.5, -7.5, -4.0]), ("h3", [-3.0, -3.0, -3.0])):
         poles = [mean_pole(getattr(gains, output)) for gains in chosen]
         assert poles == pytest.approx(wanted)
     assert chosen[0].h1 == chosen[0].h2
     assert chosen[0].h4 == default_gains(Level.RATES).h4
     damping = [-root.real / abs(root) for root in poles_of(chosen[0].h1)]
     assert sorted(damping) == pytest.approx([0.85, 0.85, 1.0])
+    assert auto_gains(Level.RATES, 0.05, None).vertical is None
     motors = auto_gains(Level.MOTORS, 0.1, 0.1)
     assert sorted(root.real for root in poles_of(motors.h1)) == pytest.approx([-8.0, -5.0, -5.0, -5.0], abs=1e-3)
     assert sorted(root.real for root in poles_of(motors.h3)) == pytest.approx([-8.0, -3.0, -3.0], abs=1e-3)

@@ -116,8 +116,8 @@ def test_written_poles_and_a_hold_that_was_short_change_nothing() -> None:
 def test_scaled_gains_are_those_of_scaled_poles() -> None:
     gains = auto_gains(Level.RATES, 0.1, 0.08)
     slower = with_path_poles(gains, 0.75)
-    assert mean_pole(slower.h1) == pytest.approx(-4.65)
+    assert mean_pole(slower.h1) == pytest.approx(-4.5)
     assert gains.vertical is not None and slower.vertical is not None
-    assert mean_pole(slower.vertical) == pytest.approx(-0.75 * 7.75)
+    assert mean_pole(slower.vertical) == pytest.approx(-0.75 * 7.5)
     assert (slower.h3, slower.h4) == (gains.h3, gains.h4)
     assert with_path_poles(gains, 1.0) == gains
