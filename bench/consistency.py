@@ -8,14 +8,12 @@ more than 5 m/s of wind, the circle at 3 m/s alone.
 
 from __future__ import annotations
 
-import dataclasses
-import math
 import sys
 
 import numpy as np
 
 from trials.consistency import Trial, Window, trial
-from trials.measured import world
+from trials.measured import steady_wind, world
 from trials.prediction import nis_line, share_inside
 
 COURSES = (("circle_r5", 3.0), ("circle_r5", 5.0), ("circle_r5", 7.0), ("figure8", 3.0))
@@ -35,8 +33,7 @@ def main(seeds: int, duration: float, first: int, speed_of_wind: float) -> None:
         mission, speed = COURSES[seed % len(COURSES) if speed_of_wind <= STRONG_WIND else 0]
         files = seed // len(COURSES) + seed % len(COURSES)
         hover, drag = (1.15, 0.85)[files % 2], (0.5, 1.5)[files // 2 % 2]
-        wind = (speed_of_wind * math.cos(2.4 * seed), speed_of_wind * math.sin(2.4 * seed), 0.0)
-        where = dataclasses.replace(world("sih_noisy"), wind_n=wind)
+        where = world("sih_noisy", wind_n=steady_wind(speed_of_wind, seed))
         done = trial(mission, speed, where, hover=hover, drag=drag, seed=seed, duration=duration)
         inside += [window.inside for window in done.windows] or [0.0]
         nis += done.nis

@@ -12,7 +12,7 @@ import math
 import sys
 from typing import NamedTuple
 
-from trials.measured import Measured, course, machine, measure_flight, world
+from trials.measured import Measured, course, machine, measure_flight, steady_wind, world
 
 
 class Case(NamedTuple):
@@ -64,8 +64,7 @@ def fly(case: Case, *, noisy: bool = True) -> Measured:
     if case.speed >= (5.0 if case.wind else 7.0):
         limits = dataclasses.replace(limits, tilt=math.radians(60.0))
     told = dataclasses.replace(true, drag=true.drag * case.drag, hover_thrust=0.4905 * case.hover, limits=limits)
-    north, east = math.cos(2.4 * case.seed), math.sin(2.4 * case.seed)
-    where = world("sih_noisy" if noisy else "sih", wind_n=(case.wind * north, case.wind * east, 0.0))
+    where = world("sih_noisy" if noisy else "sih", wind_n=steady_wind(case.wind, case.seed))
     where = dataclasses.replace(where, truth=dataclasses.replace(where.truth, drag=true.drag))
     return measure_flight(course(case.mission, case.speed), told, where, seed=case.seed, duration=40.0)
 

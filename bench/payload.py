@@ -7,14 +7,12 @@ fifth less; or the battery goes from full to a quarter in four minutes.
 
 from __future__ import annotations
 
-import dataclasses
-import math
 import sys
 
 from companion.world import Battery
 from companion.world.events import After, Event, MotorFailure, PayloadDrop, When
 from trials.consistency import Trial, trial
-from trials.measured import world
+from trials.measured import steady_wind, world
 
 SPEEDS = (3.0, 5.0, 0.1)
 """m/s."""
@@ -53,8 +51,7 @@ def main(seeds: int) -> None:
 def _flown(
     speed: float, seed: int, duration: float, events: tuple[Event, ...], battery: Battery | None = None
 ) -> Trial:
-    wind = (3.0 * math.cos(2.4 * seed), 3.0 * math.sin(2.4 * seed), 0.0)
-    where = dataclasses.replace(world("sih_noisy"), wind_n=wind, events=events, battery=battery)
+    where = world("sih_noisy", wind_n=steady_wind(3.0, seed), events=events, battery=battery)
     hover, drag = (1.15, 0.85)[seed % 2], (0.5, 1.5)[seed // 2 % 2]
     return trial("circle_r5", speed, where, hover=hover, drag=drag, seed=seed, duration=duration)
 

@@ -89,6 +89,7 @@ def advance_of(body: Body, step: float) -> Advance:
         motion: Motion, thrusts: tuple[Four, Four, Four], wind_n: Vec3, given: Vec3, turn: float
     ) -> Motion:  # fmt: skip
         first, middle, last = thrusts
+        # a recorded function is typed to return any number of floats; here they are a Motion's thirteen
         return function(*known, *motion, *first, *middle, *last, *wind_n, *given, turn)  # type: ignore[return-value]
 
     return advance
@@ -101,6 +102,7 @@ def _recorded(step: float, has_more_drag: bool) -> Function:
     mass, jx, jy, jz, drag, angular_drag = tape.inputs("m", "jx", "jy", "jz", "c", "d")
     a, b, c, d = (tape.inputs(f"l{i}", f"m{i}", f"n{i}") for i in range(4))
     more_drag = tape.inputs("c_r", "c_2") if has_more_drag else (0.0, 0.0)
+    # symbols in the place of floats, for which Body and Advance are typed
     body = Body(mass, (jx, jy, jz), 0.0, drag, angular_drag, (a, b, c, d), *more_drag)  # type: ignore[arg-type]
     motion = tape.inputs("pn", "pe", "pd", "vn", "ve", "vd", "qw", "qx", "qy", "qz", "p", "q", "r")
     first, middle, last = (tape.inputs(*(f"{when}{i}" for i in range(4))) for when in "fgh")

@@ -13,7 +13,7 @@ from companion.config.world.world import load_world
 from companion.daemon.asked_of_vehicle import WANTED
 from companion.daemon.conductor import Conductor, Orders
 from companion.flight.phases import Phase
-from companion.frames import rotation_matrix, tilt, wrap
+from companion.frames import Vec3, rotation_matrix, tilt, wrap
 from companion.law.gains import law_level
 from companion.library.lockstep import fly
 from companion.library.simulation import start_of
@@ -27,6 +27,11 @@ from sim_bridge.plant import Truth
 
 TRUTH_EVERY = 3
 """steps of the plant between two measurements of the truth"""
+
+
+def steady_wind(speed: float, seed: int) -> Vec3:
+    """m/s: a level wind of ``speed``, from another side for every seed."""
+    return (speed * math.cos(2.4 * seed), speed * math.sin(2.4 * seed), 0.0)
 
 
 class Errors(NamedTuple):

@@ -116,7 +116,7 @@ second one on an airframe with motors of 56 ms, told 25, and a thrust curve (see
 THRUST_HORIZON_MOST = 0.068
 """s: motors of 60 ms, dead time and hold. Engineering choice: nothing finds their lag in flight, so the slowest of
 bench.airframes are counted on."""
-SPEED_POLE_MAX = 3.0
+AUTO_SPEED_POLE = -3.0
 """1/s, of the speed at rates. Simulated likewise: -2.5 2.3 % of the speed, -5 1.9, -6 1.8; path and heading are the
 same. Where the state freezes but for its noise, a vehicle tilts by 60 deg with -6 until it is handed back, by 49 with
 -4 and by under 45 with -3."""
@@ -144,12 +144,12 @@ def auto_gains(level: Level, horizon: float, thrust_horizon: float | None) -> Ga
     time, (least, most) = AUTO_POLE_TIME[level], AUTO_POLE_RANGE[level]
     pole = -min(max(time / horizon, least), most)
     if level is Level.RATES:
-        path, speed = from_poles(_spread(pole)), max(pole, -SPEED_POLE_MAX)
+        path, speed = from_poles(_spread(pole)), from_poles((AUTO_SPEED_POLE,) * 2)
         if thrust_horizon is None:
-            return Gains(path, path, from_poles((speed,) * 2), usual.h4)
+            return Gains(path, path, speed, usual.h4)
         late = max(thrust_horizon - horizon, THRUST_HORIZON_MOST - thrust_horizon, 1e-6)
         vertical = -max(min(time / thrust_horizon, VERTICAL_POLE_MAX, VERTICAL_POLE_LEAD / late), least)
-        return Gains(path, path, from_poles((speed,) * 2), usual.h4, from_poles(_spread(vertical)))
+        return Gains(path, path, speed, usual.h4, from_poles(_spread(vertical)))
     least, most = BODY_POLE_RANGE
     body = -min(max(BODY_POLE_TIME / horizon, least), most)
     path = from_poles((pole, pole, pole, body))

@@ -17,13 +17,11 @@ from companion.steering.motors import MotorSteering
 from companion.steering.path_poles import AS_WRITTEN, TILT_BEYOND, PoleChoice, steep_scale
 from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
+from companion.steering.tilt_margin import UNDER_DETECTOR
 from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
 from companion.thrust_range import thrust_range_of
 from companion.vehicle import TILT_MARGIN, Vehicle
 
-UNDER_DETECTOR = math.radians(8.0)
-"""rad that the steady tilt of a path stays under the vehicle's failure detector: 2 to our own guard, 6 for errors,
-noise and gusts. Flown in sih_noisy with 3 m/s of wind: to 3 deg over it; with 2 in all, 7 m/s was handed back."""
 TILT_MAX = math.radians(80.0)
 """rad, of a vehicle without a limit: its tangent is still a number. Engineering choice."""
 

@@ -20,6 +20,7 @@ import math
 from typing import NamedTuple
 
 from companion.frames import Vec3
+from companion.steering.tilt_margin import UNDER_DETECTOR
 
 ROUGHNESS_MOST = math.radians(3.5)
 """rad/s, of roll and pitch rate commanded: their noise, by second differences over sqrt(6). Simulated on sih_noisy:
@@ -40,8 +41,6 @@ TILT_PER_POLE = math.radians(1.18)
 """rad s: room for the tilt per 1/s of the poles. Simulated on sih_noisy, circle r5 at 7 m/s (a steady 51 deg): the tilt
 shakes by 2.2 deg at -6 and by 2.6 at -7.5; -7.5 was handed back in still air and in wind, -6.8 in none of five flights
 and in no wind of four."""
-TILT_ROOM_MIN = math.radians(8.0)
-"""rad of it that the speed governor leaves. As UNDER_DETECTOR (steering.assembly)."""
 TILT_BEYOND = math.radians(1.2)
 """rad by which a mean over TILT_TIME is beyond the steady tilt of a path. Simulated: circle r5, 7 m/s, sih_noisy."""
 TILT_TIME = 1.0
@@ -105,8 +104,9 @@ def update_path_poles(
 
 
 def steep_scale(tilt: float, pole: float, steepest: float) -> float:
-    """The scale that the room from a tilt to the steepest (rad) leaves to a pole (1/s)."""
-    return min(max(steepest - tilt, TILT_ROOM_MIN) / (TILT_PER_POLE * pole), 1.0)
+    """The scale that the room from a tilt to the steepest (rad), which the speed governor keeps at UNDER_DETECTOR at
+    least, leaves to a pole (1/s)."""
+    return min(max(steepest - tilt, UNDER_DETECTOR) / (TILT_PER_POLE * pole), 1.0)
 
 
 def _ratio(poles: PathPoles) -> float:
