@@ -54,7 +54,7 @@ def outcome(function: object, *inputs: float) -> object:
 def both(tape: Tape, outputs: Sequence[Scalar]) -> tuple[object, object]:
     text = machine_code.assembly(tape, outputs)
     assert text is not None
-    return tape.function("f", outputs), machine_code.compiled(text, tape.arity, len(outputs))
+    return tape.function("f", outputs), machine_code.compiled(text)
 
 
 def test_operations_are_those_of_python_for_every_kind_of_float() -> None:
@@ -83,6 +83,18 @@ def test_products_are_rounded_before_they_are_added() -> None:
     _, machine = both(tape, [x * x - y])
     a = 1.0 + 2.0**-30
     assert machine(a, a * a) == (0.0,)  # type: ignore[operator]
+
+
+def test_it_is_called_as_pythons_own_functions_are() -> None:
+    tape = Tape()
+    x, y = tape.inputs("x", "y")
+    _, machine = both(tape, [x / y, 2.0, y])
+    assert machine(1, 2.0) == (0.5, 2.0, 2.0)  # type: ignore[operator]
+    for given in ((), (1.0,), (1.0, 2.0, 3.0), ("1", 2.0), (1.0, None)):
+        with pytest.raises(TypeError):
+            machine(*given)  # type: ignore[operator]
+    with pytest.raises(ArithmeticError):
+        machine(1.0, 0.0)  # type: ignore[operator]
 
 
 def test_what_is_not_known_stays_python() -> None:
