@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import Enum
 
 from companion.vehicle import Vehicle
 
@@ -15,6 +16,14 @@ THRUST_USED_MAX = 0.95
 """Share of the largest thrust, the largest zeta. Engineering choice: 5 % are left for turning."""
 ZETA_DOT_MAX = 3.0
 """Number of weights a second, the fastest change of zeta. Engineering choice: no motor follows more."""
+
+
+class Bound(Enum):
+    """What held zeta. ``SLEW``: zeta_dot, and zeta itself is where the motors can make it; ``LEVEL``: zeta."""
+
+    NONE = "none"
+    SLEW = "slew"
+    LEVEL = "level"
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,23 +39,23 @@ class ThrustRange:
 
     def twice_integrated(
         self, zeta: float, zeta_dot: float, zeta_ddot: float, dt: float, high: float = math.inf
-    ) -> tuple[float, float, bool]:
-        """(zeta, zeta_dot) ``dt`` later, and whether a bound was met. ``high``: N, a bound lower than the range's."""
+    ) -> tuple[float, float, Bound]:
+        """(zeta, zeta_dot) ``dt`` later, and the bound that was met. ``high``: N, a bound lower than the range's."""
         wanted = zeta_dot + zeta_ddot * dt
         limited = max(-self.rate, min(self.rate, wanted))
         later = zeta + 0.5 * (zeta_dot + limited) * dt
         high = min(self.high, high)
         if not self.low <= later <= high:
-            return max(self.low, min(high, later)), 0.0, True
-        return later, limited, limited != wanted
+            return max(self.low, min(high, later)), 0.0, Bound.LEVEL
+        return later, limited, Bound.NONE if limited == wanted else Bound.SLEW
 
-    def integrated(self, zeta: float, zeta_dot: float, dt: float, high: float) -> tuple[float, float, bool]:
-        """(zeta ``dt`` later, its slope), and whether a bound was met. ``high``: N, a bound lower than the range's."""
+    def integrated(self, zeta: float, zeta_dot: float, dt: float, high: float) -> tuple[float, float, Bound]:
+        """(zeta ``dt`` later, its slope), and the bound that was met. ``high``: N, a bound lower than the range's."""
         slope = max(-self.rate, min(self.rate, zeta_dot))
         later = zeta + slope * dt
         if not self.low <= later <= high:
-            return max(self.low, min(high, later)), 0.0, True
-        return later, slope, slope != zeta_dot
+            return max(self.low, min(high, later)), 0.0, Bound.LEVEL
+        return later, slope, Bound.NONE if slope == zeta_dot else Bound.SLEW
 
 
 UNBOUNDED = ThrustRange(-float("inf"), float("inf"), float("inf"))

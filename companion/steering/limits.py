@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from companion.frames import Matrix3, Vec3, clamped, upright_error
 from companion.law.errors import LawError
-from companion.thrust_range import ThrustRange
+from companion.thrust_range import Bound, ThrustRange
 from companion.vehicle import Limits
 
 TILT_RATE_MAX = 4.0
@@ -38,7 +38,8 @@ class LimitedRates(NamedTuple):
 
 class LimitedThrust(NamedTuple):
     """``zeta``: N, the extension after this step; ``zeta_dot``: N/s. ``sent``: normalised; ``specific``: m/s^2, the
-    same as commanded thrust over mass; ``newtons``: N, as the vehicle makes it. ``saturated``: a bound was met."""
+    same as commanded thrust over mass; ``newtons``: N, as the vehicle makes it. ``saturated``: the thrust is on a
+    bound; ``slew_limited``: zeta_dot is, and what is sent is made all the same."""
 
     zeta: float
     zeta_dot: float
@@ -46,6 +47,7 @@ class LimitedThrust(NamedTuple):
     specific: float
     newtons: float
     saturated: bool
+    slew_limited: bool
 
 
 def limit_rates(turn: Vec3, gains: tuple[float, float], limits: Limits | None) -> LimitedRates:
@@ -91,7 +93,10 @@ def limit_thrust(
         raise LawError(f"the thrust is not finite: {wanted}")
     sent = clamp_thrust(wanted)
     specific = sent / conversion.per_specific
-    return LimitedThrust(later, zeta_dot, sent, specific, specific * newtons_per_specific, bound or sent != wanted)
+    saturated = bound is Bound.LEVEL or sent != wanted
+    return LimitedThrust(
+        later, zeta_dot, sent, specific, specific * newtons_per_specific, saturated, bound is Bound.SLEW
+    )
 
 
 def clamp_thrust(wanted: float) -> float:

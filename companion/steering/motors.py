@@ -55,7 +55,7 @@ from companion.steering.speed_governor import Capability, Course
 from companion.steering.steering import Aim, Along, Steered
 from companion.steering.tilt_margin import MARGIN_FIRST, update_tilt_margin
 from companion.steering.timing import Timing
-from companion.thrust_range import THRUST_USED_MAX, ThrustRange
+from companion.thrust_range import THRUST_USED_MAX, Bound, ThrustRange
 from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
 
 NO_DISTURBANCE: Vec3 = (0.0, 0.0, 0.0)
@@ -243,7 +243,7 @@ class MotorSteering:
             governor=governor,
             tilt_margin=update_tilt_margin(memory.tilt_margin, estimate.motion.state.tilt, self.vehicle.limits, dt),
             delay=memory.delay,
-            limited=bound or share > THRUST_NEAR_SATURATION,
+            limited=bound is Bound.LEVEL or share > THRUST_NEAR_SATURATION,
             moving=is_to_move(command, aim),
         )
         return Steered(
@@ -253,7 +253,7 @@ class MotorSteering:
             zeta=later,
             zeta_dot=later_dot,
             thrust=scale * sent[0] if allocated.saturated else extension.zeta,
-            saturated=bound or allocated.saturated,
+            saturated=bound is not Bound.NONE or allocated.saturated,
             thrust_share=share,
             converged=estimate.motion.estimator.converged or not self._observes,
             governor=governor.value,

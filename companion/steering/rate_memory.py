@@ -23,5 +23,5 @@ class RateMemory(NamedTuple):
     poles: PathPoles = PathPoles()  # of the path
     tilt_margin: float = MARGIN_FIRST  # rad, see steering.tilt_margin
     delay: float | None = None  # s, the dead time; None before the first step
-    limited: bool = False  # the last command met a limit
+    limited: bool = False  # the last command met a limit of what the vehicle makes
     moving: bool = False  # it was to fly somewhere

@@ -144,7 +144,7 @@ class RateSteering:
             limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
             moving=is_to_move(command, aim),
         )
-        return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited)
+        return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited or thrust.slew_limited)
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""

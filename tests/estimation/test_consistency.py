@@ -8,11 +8,16 @@ import random
 import numpy as np
 import pytest
 
+from companion.daemon.conductor import Conductor
 from companion.estimation.estimator import Measurement, Prior, initial_estimator_state, update_estimate
+from companion.flight.phases import Phase
 from companion.frames import rotation_matrix
+from companion.steering.rate_memory import RateMemory
 from companion.world.events import After, Event, MotorFailure, PayloadDrop, Push, When
+from sim_bridge.plant import Truth
+from trials.airframes import drawn
 from trials.consistency import trial
-from trials.measured import world
+from trials.measured import course, measure_flight, world
 from trials.prediction import NIS_BOUNDS, share_inside
 
 G = 9.80665
@@ -99,3 +104,25 @@ def test_a_push_from_above_that_ends_is_no_payload() -> None:
     done = trial("circle_r5", 3.0, where, duration=28.0)
     assert done.flight.reason is None
     assert abs(done.windows[-1].scale) < 0.03
+
+
+def test_a_thrust_that_changes_as_fast_as_it_may_is_learned_from() -> None:
+    """Noise drives zeta_dot to its bound every now and then. The motors make what is sent all the same: frozen for
+    FREEZE_TIME each time, nothing was learned for 40 % of this flight."""
+    airframe = drawn(5)
+    slewing, frozen = [], []
+
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
+        steered = conductor.last.outcome.steered if conductor.last is not None else None
+        if steered is None or conductor.memory is None or conductor.memory.phase is not Phase.FOLLOW:
+            return
+        assert isinstance(steered.memory, RateMemory)
+        slewing.append(steered.saturated and not steered.memory.limited)
+        frozen.append(steered.memory.estimate.motion.estimator.freeze_left > 0.0)
+
+    done = measure_flight(
+        course("circle_r5", 3.0), airframe.told, airframe.where, seed=5, duration=12.0, settle=8.0, watch=watch
+    )
+    assert done.reason is None
+    assert sum(slewing) / len(slewing) > 0.01
+    assert sum(frozen) / len(frozen) < 0.1

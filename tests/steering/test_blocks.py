@@ -104,7 +104,7 @@ class TestLimitRates:
 class TestLimitThrust:
     def test_a_hover_stays(self) -> None:
         limited = limit_thrust(RANGE, 10.0, 0.0, 0.01, 20.0, 0.0, CONVERSION)
-        assert limited == (10.0, 0.0, 0.5, 10.0, 10.0, False)
+        assert limited == (10.0, 0.0, 0.5, 10.0, 10.0, False, False)
 
     def test_sooner_and_later_follow_the_slope(self) -> None:
         assert limit_thrust(RANGE, 10.0, 5.0, 0.01, 20.0, 0.02, CONVERSION).sent == pytest.approx(0.505)
@@ -117,6 +117,17 @@ class TestLimitThrust:
         assert (down.zeta, down.zeta_dot, down.saturated) == (2.0, 0.0, True)
         weak = limit_thrust(RANGE, 12.0, 20.0, 0.01, 12.0, 0.0, CONVERSION)
         assert (weak.zeta, weak.saturated) == (12.0, True)
+
+    def test_a_slope_that_is_limited_is_no_thrust_that_is(self) -> None:
+        """The motors make what is sent, so that the estimator may learn from it."""
+        for slope in (40.0, -40.0):
+            limited = limit_thrust(RANGE, 10.0, slope, 0.01, 20.0, 0.0, CONVERSION)
+            assert (limited.zeta_dot, limited.slew_limited, limited.saturated) == (
+                math.copysign(30.0, slope),
+                True,
+                False,
+            )
+        assert not limit_thrust(RANGE, 10.0, 20.0, 0.01, 20.0, 0.0, CONVERSION).slew_limited
 
     def test_what_is_sent_is_always_within_its_range(self) -> None:
         for zeta in (2.0, 10.0, 18.0):

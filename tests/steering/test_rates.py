@@ -19,7 +19,7 @@ from companion.plan import Plan
 from companion.steering.encoding import AsAttitude, as_attitude
 from companion.study.flying import cases_of, row_of
 from companion.study.reading import load_study
-from companion.thrust_range import ThrustRange
+from companion.thrust_range import Bound, ThrustRange
 from companion.vehicle import OutputLevel, RateSetpoint, Tuning
 from companion.world import Battery, Deviations, Link, Start, Way
 from companion.world.events import Hold, When
@@ -87,11 +87,11 @@ def test_level_keeps_the_heading() -> None:
 
 def test_thrust_stops_at_its_bounds_and_does_not_wind_up() -> None:
     limits = ThrustRange(5.0, 20.0, 60.0)
-    assert limits.integrated(10.0, 30.0, 0.01, 20.0) == (pytest.approx(10.3), 30.0, False)
-    assert limits.integrated(10.0, 90.0, 0.01, 20.0) == (pytest.approx(10.6), 60.0, True)
-    assert limits.integrated(19.9, 30.0, 0.01, 20.0) == (20.0, 0.0, True)
-    assert limits.integrated(14.9, 30.0, 0.01, 15.0) == (15.0, 0.0, True)
-    assert limits.integrated(5.1, -30.0, 0.01, 20.0) == (5.0, 0.0, True)
+    assert limits.integrated(10.0, 30.0, 0.01, 20.0) == (pytest.approx(10.3), 30.0, Bound.NONE)
+    assert limits.integrated(10.0, 90.0, 0.01, 20.0) == (pytest.approx(10.6), 60.0, Bound.SLEW)
+    assert limits.integrated(19.9, 30.0, 0.01, 20.0) == (20.0, 0.0, Bound.LEVEL)
+    assert limits.integrated(14.9, 30.0, 0.01, 15.0) == (15.0, 0.0, Bound.LEVEL)
+    assert limits.integrated(5.1, -30.0, 0.01, 20.0) == (5.0, 0.0, Bound.LEVEL)
 
 
 def settled(flown: Flown, after: float) -> float:
