@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
 
@@ -26,6 +27,8 @@ from companion.vehicle import MotorInterface, OutputLevel, Vehicle
 from companion.world import Home, World
 
 DEFAULT_VEHICLE = "x500"
+DOCUMENTS = 32
+"""Number of parsed files that are kept: the flights of a study begin from the same few (engineering choice)."""
 T = TypeVar("T")
 
 
@@ -154,11 +157,14 @@ def source_of(name: str, kind: str) -> Source:
     return Source(str(path), text, attached(text, str(path)) if kind == "missions" else None)
 
 
+@lru_cache(maxsize=DOCUMENTS)
 def document_of(source: Source) -> Document:
-    """A file, parsed. One that was made in Python has keys, but no lines that anybody could look up."""
+    """A file, parsed. One that was made in Python has keys, but no lines that anybody could look up. Not to be changed:
+    it may be given again."""
     return _without_lines(source, parse(source.text, source.name))
 
 
+@lru_cache(maxsize=DOCUMENTS)
 def mission_document(source: Source, *, plans: bool = True) -> Document:
     """The same of a mission, which may stand for a plan where ``plans``."""
     read = parse_plan_text if plans else parse
