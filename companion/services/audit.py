@@ -74,10 +74,14 @@ def _when(good: Callable[[float, Values], bool], otherwise: Weight) -> Callable[
     return lambda value, values: Weight.FINE if good(value, values) else otherwise
 
 
+FLOWN_BY_STICKS = {0, 1}
+"""Codes of COM_OBL_RC_ACT, Position and Altitude. Killed on the circle without sticks: docs/px4-versions.md."""
+
+
 def _on_loss(value: float, values: Values) -> Weight:
     if int(value) in FATAL_ON_LOSS:
         return Weight.DANGER
-    return Weight.FINE if int(value) in SANE_ON_LOSS else Weight.ADVICE
+    return Weight.FINE if int(value) in SANE_ON_LOSS.keys() - FLOWN_BY_STICKS else Weight.ADVICE
 
 
 def _far_enough(value: float, values: Values) -> bool:
@@ -91,7 +95,8 @@ RULES: tuple[Rule, ...] = (
          f"{LOSS_TIME_MAX:g} s or less",
          "for so long PX4 flies the last body rate when setpoints stop; longer, and auto flies attitude"),
     Rule("COM_OBL_RC_ACT", _on_loss, f"{HOLD_ON_LOSS} (Hold), or 3 (Return), 4 (Land)",
-         "what PX4 does when setpoints stop"),
+         "what PX4 does when setpoints stop. Position and Altitude are flown by sticks: without any 1.16.0 sank where "
+         "it was and landed, later versions returned"),
     Rule("NAV_RCL_ACT", _when(lambda v, _: int(v) not in (5, 6), Weight.DANGER), "2 (Return) or 1 (Hold)",
          "what a lost remote control does; 5 and 6 cut the motors"),
     Rule("NAV_DLL_ACT", _when(lambda v, _: int(v) not in (5, 6), Weight.DANGER), "0 (nothing), 1 (Hold) or 2 (Return)",

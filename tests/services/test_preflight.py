@@ -38,6 +38,9 @@ def test_px4s_defaults_are_no_danger_and_the_slow_failsafe_is_told() -> None:
 
 def test_what_cuts_the_motors_is_a_danger() -> None:
     assert weights(COM_OBL_RC_ACT=7)["COM_OBL_RC_ACT"] is Weight.DANGER
+    # Position and Altitude want sticks
+    assert [weights(COM_OBL_RC_ACT=value)["COM_OBL_RC_ACT"] for value in (0, 1)] == [Weight.ADVICE] * 2
+    assert [weights(COM_OBL_RC_ACT=value)["COM_OBL_RC_ACT"] for value in (3, 4, 5)] == [Weight.FINE] * 3
     assert weights(NAV_RCL_ACT=6)["NAV_RCL_ACT"] is Weight.DANGER
     assert weights(COM_OF_LOSS_T=0.3)["COM_OF_LOSS_T"] is Weight.FINE
     assert weights(GF_MAX_HOR_DIST=5.0)["GF_MAX_HOR_DIST"] is Weight.ADVICE
