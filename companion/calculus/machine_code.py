@@ -29,9 +29,10 @@ in_use = False
 _OPERATORS = {"add": "fadd", "sub": "fsub", "mul": "fmul", "div": "fdiv"}
 _FUNCTIONS = {
     "sqrt": "llvm.sqrt.f64", "abs": "llvm.fabs.f64", "sin": "sin", "cos": "cos", "atan2": "atan2",
-    "remainder": "remainder",
+    "remainder": "remainder", "power": "pow",
 }  # fmt: skip
 """LLVM's own, or the C library's."""
+_OF_TWO = ("atan2", "remainder", "pow")
 _COMPARISONS = {"minimum": "olt", "maximum": "ogt"}
 """As in Python min(a, b) is b where b < a, else a."""
 _DECLARED = """\
@@ -46,8 +47,7 @@ declare i32 @PyTuple_SetItem(ptr, i64, ptr)
 declare ptr @PyErr_Occurred()
 declare void @PyErr_SetString(ptr, ptr)
 """ + "".join(
-    f"declare double @{name}({'double, double' if name in ('atan2', 'remainder') else 'double'})\n"
-    for name in _FUNCTIONS.values()
+    f"declare double @{name}({'double, double' if name in _OF_TWO else 'double'})\n" for name in _FUNCTIONS.values()
 )
 """What is used of Python's C interface and of the C library."""
 _FAILED = """\
@@ -123,7 +123,11 @@ def assembly(tape: Tape, outputs: Sequence[Scalar]) -> str | None:
             lines.append(f"{own} = select i1 %is{k}, double {b}, double {a}")
         elif operation in _FUNCTIONS:
             lines.append(f"{own} = call double @{_FUNCTIONS[operation]}({', '.join(f'double {x}' for x in arguments)})")
-            lines += [f"%known{k} = fcmp ord double {a}, {b}", f"%nan{k} = fcmp uno double {own}, {own}"]
+            made = own
+            if operation == "power":  # raises where finite numbers have no finite power: their differences are no nan
+                lines += [f"%less{i}_{k} = fsub double {x}, {x}" for i, x in enumerate((a, b, own))]
+                a, b, made = (f"%less{i}_{k}" for i in range(3))
+            lines += [f"%known{k} = fcmp ord double {a}, {b}", f"%nan{k} = fcmp uno double {made}, {made}"]
             doubt = f"and i1 %known{k}, %nan{k}"
         else:
             return None

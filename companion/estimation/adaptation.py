@@ -8,10 +8,28 @@ is not. By time alone: what the vehicle's attitude is wrong by when it comes out
 
 from __future__ import annotations
 
-from companion.estimation.kalman import Belief, Innovation
-from companion.estimation.kalman_step import DOWN, EAST, GUST, NORTH, POSITION_R_MIN, VELOCITY_ERROR, WANDER
+from collections.abc import Sequence
+from functools import lru_cache
+
+from companion.calculus import machine_code
+from companion.calculus.scalar import Scalar, elementary, maximum, minimum
+from companion.calculus.straight import Function, Tape
+from companion.estimation.kalman import Belief, Innovation, variance_of
+from companion.estimation.kalman_step import (
+    AXES,
+    DOWN,
+    EAST,
+    GUST,
+    NORTH,
+    PER_AXIS,
+    POSITION_R_MIN,
+    SIZE,
+    UPPER,
+    VELOCITY_ERROR,
+    WANDER,
+)
 from companion.estimation.noise_levels import NoiseLevels
-from companion.frames import Vec3, clamped
+from companion.frames import Vec3
 
 MEASUREMENT_NOISE_TIME = 2.0
 """s over which the squares of the innovations are averaged. Engineering choice."""
@@ -62,72 +80,102 @@ GUST_RANGE_VERTICAL = (0.05**2, 0.25**2)
 Engineering choice."""
 
 
-def adapt_measurement_noise(noise: NoiseLevels, innovation: Innovation, dt: float) -> NoiseLevels:
-    """The variances of the measurements, drawn to where the innovations are as large as predicted."""
-    k = dt / (MEASUREMENT_NOISE_TIME * 3.0)
-    position, velocity, wander, velocity_error, gust, disturbance_q, heading_error, tilt_error = noise
-    (x, y, z, u, v, w), (xx, yy, zz, uu, vv, ww) = innovation
-    position += k * (_excess(x, xx) + _excess(y, yy) + _excess(z, zz))
-    velocity += k * (_excess(u, uu) + _excess(v, vv) + _excess(w, ww))
-    return NoiseLevels(
-        clamped(position, NOISE_MIN[0], NOISE_MAX[0]),
-        clamped(velocity, NOISE_MIN[1], NOISE_MAX[1]),
-        wander,
-        velocity_error,
-        gust,
-        disturbance_q,
-        heading_error,
-        tilt_error,
-    )
-
-
-def _excess(residual: float, variance: float) -> float:
-    """The square of a residual, three standard deviations of it at most, over its variance."""
-    square = residual * residual
-    return (square if square < 9.0 * variance else 9.0 * variance) - variance
-
-
-def adapt_levels(noise: NoiseLevels, belief: Belief, dt: float) -> NoiseLevels:
-    """The stationary variances of U, B and W, drawn to estimate squared plus variance of the estimate."""
-    k = min(1.0, dt / LEVEL_TIME)
-    position, velocity, wander, velocity_error, gust, disturbance_q, heading_error, tilt_error = noise
-    return NoiseLevels(
-        position,
-        velocity,
-        _adapted_level(wander, belief, WANDER, k, WANDER_RANGE, WANDER_RANGE),
-        _adapted_level(velocity_error, belief, VELOCITY_ERROR, k, VELOCITY_ERROR_RANGE, VELOCITY_ERROR_RANGE),
-        _adapted_level(gust, belief, GUST, k, GUST_RANGE, GUST_RANGE_VERTICAL),
-        disturbance_q,
-        heading_error,
-        tilt_error,
-    )
-
-
-def settle_attitude_error(noise: NoiseLevels, dt: float) -> NoiseLevels:
-    """The noise of D and E and the tilt error ``dt`` s later, on their way to what they stay."""
-    k = dt / SETTLING_TIME
-    (x, y, z), (north, east, down) = noise.disturbance_q, DISTURBANCE_Q
-    return NoiseLevels(
-        noise.position,
-        noise.velocity,
-        noise.wander,
-        noise.velocity_error,
-        noise.gust,
-        (x + k * (north - x), y + k * (east - y), z + k * (down - z)),
-        noise.heading_error + k * (HEADING_ERROR_VARIANCE - noise.heading_error),
-        noise.tilt_error + k * (TILT_ERROR_VARIANCE - noise.tilt_error),
-    )
-
-
 Range = tuple[float, float]
 """Least and most."""
 
 
-def _adapted_level(level: Vec3, belief: Belief, kind: int, k: float, horizontal: Range, vertical: Range) -> Vec3:
-    (a, b, c), x, variance = level, belief.x, belief.variance
-    north, east, down = NORTH + kind, EAST + kind, DOWN + kind
-    return (
-        clamped(a + k * (x[north] ** 2 + variance(north) - a), *horizontal),
-        clamped(b + k * (x[east] ** 2 + variance(east) - b), *horizontal),
-        clamped(c + k * (x[down] ** 2 + variance(down) - c), *vertical),
+def adapt_noise(
+    noise: NoiseLevels, belief: Belief, innovation: Innovation, dt: float, *, measurements: bool, levels: bool
+) -> NoiseLevels:
+    """The levels ``dt`` s later, after an ``innovation`` that led to ``belief``. ``measurements``: their variances are
+    drawn to where innovations are as large as predicted. ``levels``: the stationary variances of U, B and W are drawn
+    to estimate squared plus variance of the estimate. The noise of D and E and the tilt error settle in any case."""
+    told = adaptation_of(measurements, levels, machine_code.in_use)(
+        dt, noise.position, noise.velocity, *noise.wander, *noise.velocity_error, *noise.gust, *noise.disturbance_q,
+        noise.heading_error, noise.tilt_error, *innovation.residual, *innovation.variance,
+        *belief.x, *belief.S, *belief.G, *belief.T,
+    )  # fmt: skip
+    position, velocity, u, v, w, b, c, d, x, y, z, north, east, down, heading_error, tilt_error = told
+    return NoiseLevels(
+        position, velocity, (u, v, w), (b, c, d), (x, y, z), (north, east, down), heading_error, tilt_error
     )
+
+
+@lru_cache(maxsize=8)
+def adaptation_of(measurements: bool, levels: bool, in_machine_code: bool) -> Function:
+    """``adapt_noise``, recorded: (dt, noise, innovations, variances, state, S, G, T) -> noise. ``in_machine_code``:
+    whether that is in use."""
+    tape = Tape()
+    (dt,) = tape.inputs("dt")
+    variances = tape.inputs("rp", "rv")
+    stationary = [tape.inputs(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
+    disturbance_q = tape.inputs("qdx", "qdy", "qdz")
+    attitude = tape.inputs("e", "t")
+    residuals = tape.inputs(*(f"i{k}" for k in range(2 * AXES)))
+    predicted = tape.inputs(*(f"v{k}" for k in range(2 * AXES)))
+    x = tape.inputs(*(f"x{i}" for i in range(SIZE)))
+    S = tape.inputs(*(f"s{i}" for i in range(AXES * len(UPPER))))
+    G = tape.inputs(*(f"g{i}" for i in range(2 * AXES * PER_AXIS)))
+    T = tape.inputs("tkk", "tkc", "tcc")
+    if measurements:
+        variances = _adapted_variances(variances, residuals, predicted, dt)
+    if levels:
+        for at, (kind, horizontal, vertical) in enumerate(_LEVELS):
+            stationary[at] = tuple(
+                _adapted_level(level, x[first + kind], variance_of(first + kind, S, G, T), dt, range_)
+                for level, first, range_ in zip(
+                    stationary[at], (NORTH, EAST, DOWN), (horizontal, horizontal, vertical), strict=True
+                )
+            )
+    k = dt / SETTLING_TIME
+    settled = zip(
+        (*disturbance_q, *attitude), (*DISTURBANCE_Q, HEADING_ERROR_VARIANCE, TILT_ERROR_VARIANCE), strict=True
+    )
+    return machine_code.function_of(
+        tape,
+        "adaptation",
+        [
+            *variances,
+            *(level for kind in stationary for level in kind),
+            *(now + k * (last - now) for now, last in settled),
+        ],
+    )
+
+
+def _adapted_variances(
+    variances: Sequence[Scalar], residuals: Sequence[Scalar], predicted: Sequence[Scalar], dt: Scalar
+) -> tuple[Scalar, ...]:
+    """Of position and velocity."""
+    k = dt / (MEASUREMENT_NOISE_TIME * 3.0)
+    excess = [_excess(*pair) for pair in zip(residuals, predicted, strict=True)]
+    of_each = (excess[:AXES], excess[AXES:])
+    return tuple(
+        _within(variance + k * (a + b + c), (least, most))
+        for variance, (a, b, c), least, most in zip(variances, of_each, NOISE_MIN, NOISE_MAX, strict=True)
+    )
+
+
+def _excess(residual: Scalar, variance: Scalar) -> Scalar:
+    """The square of a residual, three standard deviations of it at most, over its variance."""
+    return minimum(9.0 * variance, residual * residual) - variance
+
+
+def _adapted_level(level: Scalar, x: Scalar, variance: Scalar, dt: Scalar, range_: Range) -> Scalar:
+    # pow, as ** on floats is, whose last bit may be another than that of x * x
+    k, square = minimum(1.0, dt / LEVEL_TIME), elementary("power", x, 2.0)
+    return _within(level + k * (square + variance - level), range_)
+
+
+def _within(value: Scalar, range_: Range) -> Scalar:
+    return minimum(maximum(value, range_[0]), range_[1])
+
+
+_LEVELS = (
+    (WANDER, WANDER_RANGE, WANDER_RANGE),
+    (VELOCITY_ERROR, VELOCITY_ERROR_RANGE, VELOCITY_ERROR_RANGE),
+    (GUST, GUST_RANGE, GUST_RANGE_VERTICAL),
+)
+"""Kind of state, and the range of its level, level and vertical."""
+
+for _measurements, _adapts in ((True, True), (True, False), (False, False)):
+    adaptation_of(_measurements, _adapts, machine_code.in_use)  # recorded now and not in a flight's first tick

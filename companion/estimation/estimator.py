@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.estimation.adaptation import NOISE_FIRST, adapt_levels, adapt_measurement_noise, settle_attitude_error
+from companion.estimation.adaptation import NOISE_FIRST, adapt_noise
 from companion.estimation.kalman import (
     Belief,
     Innovation,
@@ -209,12 +209,12 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
     if learning:
         change = update_scale_change(known.change, known.belief, belief, noise_of_q, dt)
     belief, disturbance_lpf_n, disturbance_saturated = _limit(belief, known.disturbance_lpf_n, dt, flight_time)
-    noise = settle_attitude_error(known.noise, dt)
-    if not disturbance_saturated:
+    noise = adapt_noise(
+        known.noise, belief, innovation, dt,
         # not frozen: commands that noise drives into their limits would keep it from being found
-        noise = adapt_measurement_noise(noise, innovation, dt)
-    if learning and not disturbance_saturated:
-        noise = adapt_levels(noise, belief, dt)
+        measurements=not disturbance_saturated,
+        levels=learning and not disturbance_saturated,
+    )  # fmt: skip
     return EstimatorState(
         belief,
         noise,

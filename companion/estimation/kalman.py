@@ -30,9 +30,11 @@ straight-line floats.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from companion.calculus import machine_code
+from companion.calculus.scalar import Scalar
 from companion.estimation.kalman_step import (
     AT,
     AXES,
@@ -139,11 +141,10 @@ class Belief(NamedTuple):
 
     def variance(self, index: int) -> float:
         """Of one number of the state."""
-        kk, kc, cc = self.T
         if index >= THRUST_SCALE:
-            return kk if index == THRUST_SCALE else cc
-        k, c = self.G[2 * index], self.G[2 * index + 1]
-        return self.S[DIAGONAL[index]] + (k * k * kk + 2.0 * k * c * kc + c * c * cc)
+            return self.T[0] if index == THRUST_SCALE else self.T[2]
+        variance: float = variance_of(index, self.S, self.G, self.T)
+        return variance
 
     def covariance(self) -> list[list[float]]:
         """Of the whole state, SIZE x SIZE; for who looks at it, not for the filter."""
@@ -157,6 +158,12 @@ class Belief(NamedTuple):
                 if row != column:
                     P[column][row] += value
         return P
+
+
+def variance_of(index: int, S: Sequence[Scalar], G: Sequence[Scalar], T: Sequence[Scalar]) -> Scalar:
+    """Of one number of an axis, from the parts of the covariance. Floats, or symbols of a tape."""
+    (kk, kc, cc), k, c = T, G[2 * index], G[2 * index + 1]
+    return S[DIAGONAL[index]] + (k * k * kk + 2.0 * k * c * kc + c * c * cc)
 
 
 class Innovation(NamedTuple):

@@ -14,7 +14,7 @@ import pytest
 
 from companion.calculus import machine_code
 from companion.calculus.expression import parse
-from companion.calculus.scalar import Scalar, maximum, minimum, sqrt, wrap
+from companion.calculus.scalar import Scalar, elementary, maximum, minimum, sqrt, wrap
 from companion.calculus.straight import Tape
 from companion.estimation.kalman_step import AXES, PER_AXIS, SIZE, UPPER, step_of
 from companion.estimation.predictor import ForceModel, predict
@@ -61,7 +61,16 @@ def test_operations_are_those_of_python_for_every_kind_of_float() -> None:
     tape = Tape()
     x, y = tape.inputs("x", "y")
     results = [x + y, x - y, x * y, -x, 2.5 - x, maximum(x, y), minimum(x, y), minimum(x, 1.0), abs_of(x), sine_of(x)]
-    for result in (*results, x / y, 1.0 / x, sqrt(x), wrap(x), parse("atan2(x, y)", ("x", "y"))({"x": x, "y": y})):
+    for result in (
+        *results,
+        x / y,
+        1.0 / x,
+        sqrt(x),
+        wrap(x),
+        elementary("power", x, 2.0),
+        elementary("power", x, y),
+        parse("atan2(x, y)", ("x", "y"))({"x": x, "y": y}),
+    ):
         python, machine = both(tape, [result])
         for a in SPECIAL:
             for b in SPECIAL:
