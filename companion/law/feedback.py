@@ -152,21 +152,22 @@ def with_vertical(
 ) -> WantedDerivatives:  # fmt: skip
     """``wanted`` by ``gains``, with ``vertical`` for the vertical part of the distance to the path in their place.
 
-    ``heights``: that part and its derivatives, across ``tangent``; ``used``: m, as it was bounded for ``gains``. Exact
-    on a level path. Where it slopes by g the vertical normal direction has what is between the two, by cos^2 g: with
-    poles of gains: auto, the vertical ones up to twice as fast, all these have a damping of 0.65 at least.
+    ``heights``: that part and its derivatives, across ``tangent``: two at rates, three at motors; ``used``: m, as it
+    was bounded for ``gains``. Exact on a level path. Where it slopes by g the vertical normal direction has what is
+    between the two, by cos^2 g: with poles of gains: auto, the vertical ones up to twice as fast, all these have a
+    damping of 0.65 at least.
     """
-    k0, k1, k2 = vertical
-    e, speed, acceleration = heights
+    k0, k1, k2, *rest = vertical
+    e, speed, acceleration, *higher = heights
     if bounds is None:
         towards = -(e * k0 + speed * k1) / k2
     else:
         approached = clamped(e * (k0 / k1), HEIGHT_SPEED)
         towards = clamped(-(approached + speed) * (k1 / k2), HEIGHT_ACCELERATION)
     up = projected(tangent, Vector(0.0, 0.0, 1.0))
-    usual = (used, speed, acceleration)
+    usual = (used, speed, acceleration, *higher)
     missing = towards - acceleration
-    derivative = missing * k2 - linear(gains, usual)
+    derivative = missing * k2 + linear(rest, higher) - linear(gains, usual)
     return WantedDerivatives(
         wanted.derivative + up * derivative, wanted.missing + up * (missing - lacking(gains, usual, 2))
     )
