@@ -20,13 +20,14 @@ from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 
 from bench.noise_flown import flown
 from bench.noise_heading import heading_plant
+from bench.noise_motors import flown_level, flown_vertical
 from bench.noise_world import DRAG, Place, Plant, axis_at
 from companion.law.gains import poles_of, with_path_poles
 from companion.plan import gains_of, prepared
 from companion.vehicle import OutputLevel, Tuning, Vehicle
 from trials.measured import course, machine
 
-CASES = (("circle_r5", 3.0, 1.0), ("circle_r5", 5.0, 1.0), ("circle_r5", 7.0, 0.904), ("figure8", 3.0, 1.0))
+CASES = (("circle_r5", 3.0, 1.0), ("circle_r5", 5.0, 1.0), ("circle_r5", 7.0, 0.969), ("figure8", 3.0, 1.0))
 """Mission, m/s, scale on the path poles: what steering.path_poles leaves of them in flight where the tilt is steep."""
 PLACES = 12
 """Number of places along a path that bends."""
@@ -58,11 +59,13 @@ class Poles(NamedTuple):
 
 SLOWER = Poles((-6.0,) * 3, (-6.0,) * 3, (-2.5,) * 2)
 """What was chosen for all before."""
+SLOWER_AT_MOTORS = Poles((-6.0, -6.0, -6.0, -14.0), (-6.0, -6.0, -6.0, -14.0), (-3.0, -3.0, -14.0))
+"""And at motors."""
 
 
-def chosen(vehicle: Vehicle, scale: float = 1.0) -> Poles:
+def chosen(vehicle: Vehicle, scale: float = 1.0, output: OutputLevel = OutputLevel.RATES) -> Poles:
     """What gains: auto gives it. ``scale``: on the path poles."""
-    gains = with_path_poles(gains_of(course("circle_r5"), vehicle, OutputLevel.RATES, Tuning(), None), scale)
+    gains = with_path_poles(gains_of(course("circle_r5"), vehicle, output, Tuning(), None), scale)
     level, vertical, speed = (tuple(poles_of(each)) for each in (gains.h1, gains.vertical or gains.h1, gains.h3))
     return Poles(level, vertical, speed)
 
@@ -134,6 +137,45 @@ def least(where: list[Place], vehicle: Vehicle, poles: Poles, *, vertical: bool 
     return Least(*(mean(column) for column in zip(*rows, strict=True)))
 
 
+def least_at_motors(
+    where: list[Place], vehicle: Vehicle, poles: Poles, *, vertical: bool = False, along: bool = False
+) -> Least:
+    """As ``least``; the bound of the height is that of the same rate of the thrust."""
+    rows = []
+    for place in where:
+        plant = bounded = axis_at(place, vehicle, vertical=vertical, along=along, at_motors=True)
+        if vertical:
+            loop, bounded = flown_vertical(plant, vehicle, poles.vertical), axis_at(place, vehicle, vertical=True)
+        else:
+            loop = flown_level(plant, vehicle, poles.speed if along else poles.level)
+        assert loop is not None
+        rows.append((loop.error, bound(bounded, loop.command), loop.believed))
+    return Least(*(mean(column) for column in zip(*rows, strict=True)))
+
+
+def floor_at_motors(vehicle: Vehicle, always: Poles | None) -> None:
+    """Print a line a mission and speed, as ``floor`` does."""
+    print("at motors: ours, least       | level cm    | vertical cm | together, ratio  | speed %, believed")
+    for mission, speed, scale in CASES:
+        poles = always or chosen(vehicle, scale, OutputLevel.MOTORS)
+        where = places(mission, speed, vehicle)
+        level = least_at_motors(where, vehicle, poles)
+        vertical = least_at_motors(where, vehicle, poles, vertical=True)
+        along = least_at_motors(where, vehicle, poles, along=True)
+        both, limit = math.hypot(level.ours, vertical.ours), math.hypot(level.least, vertical.least)
+        print(
+            f"{mission:9} {speed:g} m/s {size(poles.level):5.1f} {size(poles.vertical):5.1f} |"
+            f" {level.per(0.01)} | {vertical.per(0.01)} | {100 * both:5.2f} {100 * limit:5.2f} {both / limit:5.2f} |"
+            f" {along.per(0.01 * speed)} {100 * along.believed / speed:5.2f}",
+            flush=True,
+        )
+
+
+def size(group: Group) -> float:
+    """1/s: of the slowest pole."""
+    return -min(map(abs, group))
+
+
 def floor(vehicle: Vehicle, always: Poles | None) -> None:
     """Print a line a mission and speed, with the poles that are chosen or ``always`` the same."""
     yaw_rates = ", ".join(f"{each:g}" for each in YAW_COMMANDS)
@@ -181,6 +223,8 @@ def main() -> None:
     floor(vehicle, None)
     floor(vehicle, SLOWER)
     mistakes(vehicle, chosen(vehicle))
+    floor_at_motors(vehicle, None)
+    floor_at_motors(vehicle, SLOWER_AT_MOTORS)
 
 
 if __name__ == "__main__":

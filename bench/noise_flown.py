@@ -52,7 +52,7 @@ class Loop(NamedTuple):
     command: float
 
 
-def _filter(levels: Levels, *, vertical: bool) -> tuple[Array, Array, Array]:
+def filter_of(levels: Levels, *, vertical: bool) -> tuple[Array, Array, Array]:
     """Our filter of one axis, thrust scale and drag known: transition, what an acceleration moves, steady gain."""
     A, axis = np.eye(6), 2 if vertical else 0
     A[0, [1, 2]] = A[1, [4, 5]] = STEP
@@ -86,7 +86,7 @@ def flown(
 ) -> Loop | None:
     """Our law in the same world, None where it is not stable. ``told``: what its model believes of the vehicle.
     ``poles``: 1/s, three of a distance, or two of the speed along the path."""
-    A, pushed, L = _filter(levels or FOUND[vertical], vertical=vertical)
+    A, pushed, L = filter_of(levels or FOUND[vertical], vertical=vertical)
     n = len(plant.A)
     horizon = 1.5 * STEP + told.rate_loop_lag
     along = len(poles) == 2
@@ -113,10 +113,10 @@ def flown(
         joint = np.concatenate([plant.A @ x + plant.B[:, 0] * u, after, [acting], moved])
         return joint, plant.e @ x, v if along else p, u
 
-    return _closed(plant, step, n + 9)
+    return closed(plant, step, n + 9)
 
 
-def _closed(plant: Plant, step: Callable[[Array, Array], tuple[Array, float, float, float]], size: int) -> Loop | None:
+def closed(plant: Plant, step: Callable[[Array, Array], tuple[Array, float, float, float]], size: int) -> Loop | None:
     """The loop of a joint state that begins with the plant's."""
     n, still = len(plant.A), np.zeros(4)
     states, noises = [step(e, still) for e in np.eye(size)], [step(np.zeros(size), e) for e in np.eye(4)]

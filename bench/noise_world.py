@@ -3,9 +3,9 @@
     x' = A x + B u + noise W,  y = C x + noise R,  e = E x
 
 x: distance, its rate, tilt (or thrust) behind the rate loop (or the motors), and the errors of what is reported, which
-are driven processes; u: the command, which acts one step later. The attitude's errors decay after the boot: here they
-have their mean variance over the time that is judged, 10 to 40 s of following. Their bias is constant, so that a
-controller that integrates knows it: it is no part of the floor.
+are driven processes; u: the command, which acts one step later: at motors the angular acceleration, or the thrust. The
+attitude's errors decay after the boot: here they have their mean variance over the time that is judged, 10 to 40 s of
+following. Their bias is constant, so that a controller that integrates knows it: it is no part of the floor.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ ROUND_OFF = 1e-5
 """m: a reported position has no noise of its own; the filter's equation wants some."""
 DRAG = 1.0
 """1/s, of the vehicle."""
+DAMPING = 1.0
+"""1/s, of its turning (SIH_KDW), found in flight."""
 STATES = 5
 """Number of states of an axis before its errors: distance, rate, tilt, and two of the rate loop."""
 
@@ -104,9 +106,13 @@ def delayed(plant: Plant) -> Plant:
     return plant._replace(A=A, B=B, W=W, C=np.hstack([plant.C, wider]), e=np.append(plant.e, 0.0))
 
 
-def axis_at(place: Place, vehicle: Vehicle, *, vertical: bool = False, along: bool = False, gain: float = 1.0) -> Plant:
+def axis_at(
+    place: Place, vehicle: Vehicle, *, vertical: bool = False, along: bool = False, gain: float = 1.0,
+    at_motors: bool = False,
+) -> Plant:  # fmt: skip
     """An axis at a place of a path: across it, along it (then e is the speed), or vertical. Level: body rate -> tilt ->
-    acceleration; vertical: rate of the thrust, of which the motors make ``gain`` times what is asked for."""
+    acceleration; vertical: rate of the thrust, of which the motors make ``gain`` times what is asked for.
+    ``at_motors``: level angular acceleration -> motors -> body rate, damped; vertical the thrust itself."""
     errors = load_world("sih_noisy").estimate
     attitude, axis = errors.attitude, 2 if vertical else 0
     tilt, heading = attitude_deviations()
@@ -130,11 +136,16 @@ def axis_at(place: Place, vehicle: Vehicle, *, vertical: bool = False, along: bo
         A[1, tilts + 1], A[1, tilts + 2] = -place.forward, place.inward
         A[2, 2], A[2, 3], B[3, 0] = -1.0 / vehicle.motor_lag, gain / vehicle.motor_lag, 1.0
         A[4, 4] = -1.0 / vehicle.motor_lag
+        if at_motors:  # the law integrates it: the fourth state stands idle
+            A[2, 3], B[2, 0], A[3, 3], B[3, 0] = 0.0, A[2, 3], -1.0 / vehicle.motor_lag, 0.0
     else:  # and a heading that is not turns it
         A[1, tilts], A[1, turns] = -G, place.inward if along else place.forward
         decay, stiff = 1.0 / vehicle.motor_lag, 1.0 / (vehicle.rate_loop_lag * vehicle.motor_lag)
         A[2, 3], A[3, 4], A[4, 3], A[4, 4], B[4, 0] = 1.0, 1.0, -stiff, -decay, stiff
-        W[4, 4] = stiff**2 * errors.gyro.white[0] ** 2 * 0.5 * STEP  # its rate loop flies by that gyro
+        if at_motors:
+            A[3, 3], A[4, 3], B[4, 0] = -DAMPING, 0.0, decay
+        else:  # its rate loop flies by that gyro
+            W[4, 4] = stiff**2 * errors.gyro.white[0] ** 2 * 0.5 * STEP
     C = np.zeros((4, n))
     C[0, [0, position, drift]], C[1, [1, velocity]], C[3, 3] = 1.0, 1.0, 1.0
     C[2, [2] if vertical else [2, tilts]] = 1.0
