@@ -1,8 +1,9 @@
-"""Paths under the noise of a real frame: ``python -m bench.noisy_flights plain``, or ``[FIRST [COUNT]]``.
+"""Paths under the noise of a real frame: ``python -m bench.noisy_flights plain [LEVEL]``, or ``[FIRST [COUNT]]``.
 
 sih_noisy, 40 s of following, believed figures from 10 s on. ``plain``: the right vehicle file and still air, the mean
-of three seeds a line. Otherwise wrong files and wind, a flight a line: a steady wind of 3 m/s, hover thrust told wrong
-by +-15 % and drag by +-50 %. The tilt of the vehicle file is 60 deg at 7 m/s, with wind from 5 m/s on.
+of three seeds a line; LEVEL: rates, or motors or torques, which go over XRCE. Otherwise wrong files and wind, a flight
+a line: a steady wind of 3 m/s, hover thrust told wrong by +-15 % and drag by +-50 %. The tilt of the vehicle file is 60
+deg at 7 m/s, with wind from 5 m/s on.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import math
 import sys
 from typing import NamedTuple
 
+from companion.vehicle import OutputLevel
 from trials.measured import Measured, course, machine, measure_flight, steady_wind, world
 
 
@@ -56,7 +58,7 @@ class Figures(NamedTuple):
         )
 
 
-def fly(case: Case, *, noisy: bool = True) -> Measured:
+def fly(case: Case, *, noisy: bool = True, level: OutputLevel = OutputLevel.RATES) -> Measured:
     """A flight of 40 s. ``noisy``: in sih_noisy, not in sih."""
     true = machine("sih")
     limits = true.limits
@@ -66,7 +68,10 @@ def fly(case: Case, *, noisy: bool = True) -> Measured:
     told = dataclasses.replace(true, drag=true.drag * case.drag, hover_thrust=0.4905 * case.hover, limits=limits)
     where = world("sih_noisy" if noisy else "sih", wind_n=steady_wind(case.wind, case.seed))
     where = dataclasses.replace(where, truth=dataclasses.replace(where.truth, drag=true.drag))
-    return measure_flight(course(case.mission, case.speed), told, where, seed=case.seed, duration=40.0)
+    return measure_flight(
+        course(case.mission, case.speed, level), told, where, level, seed=case.seed, duration=40.0,
+        over_xrce=level.without_rate_loop,
+    )  # fmt: skip
 
 
 def figures(done: Measured, speed: float) -> Figures | None:
@@ -88,20 +93,20 @@ def main(first: int, count: int) -> None:
         print(f"{head}: {figures(done, case.speed) or done.reason}", flush=True)
 
 
-def plain() -> None:
+def plain(level: OutputLevel) -> None:
     """Print a line a mission and speed: the mean over the seeds, and what quiet air and sensors make of it."""
     for mission, speed in PLAIN:
-        every = [figures(fly(Case(mission, speed, seed)), speed) for seed in SEEDS]
+        every = [figures(fly(Case(mission, speed, seed), level=level), speed) for seed in SEEDS]
         flown = [each for each in every if each is not None]
         lost = f", {len(every) - len(flown)} of {len(every)} not flown to the end" if len(flown) < len(every) else ""
         mean = Figures(*(sum(column) / len(flown) for column in zip(*flown, strict=True))) if flown else "none flown"
-        quiet = figures(fly(Case(mission, speed, 1), noisy=False), speed)
+        quiet = figures(fly(Case(mission, speed, 1), noisy=False, level=level), speed)
         print(f"{mission} {speed:g} m/s: {mean}{lost} | sih: {quiet}", flush=True)
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["plain"]:
-        plain()
+        plain(OutputLevel(sys.argv[2] if len(sys.argv) > 2 else "rates"))
     else:
         asked = [int(word) for word in sys.argv[1:3]]
         main(asked[0] if asked else 0, asked[1] if len(asked) > 1 else len(WRONG))

@@ -9,7 +9,7 @@ from companion.flight.conduct import Conduct
 from companion.frames import Heading, Vec3
 from companion.law.feedback import bounds_of
 from companion.law.flight import Law, OverArc, curve_law, implicit_law, model_of
-from companion.law.gains import Gains, Level, auto_gains, default_gains, law_level, mean_pole
+from companion.law.gains import Gains, Level, auto_gains, default_gains, law_level, mean_pole, path_pole_of
 from companion.law.hold import HoldLaw, hold_law
 from companion.mission import Mission
 from companion.paths.arc import ArcTable
@@ -74,8 +74,9 @@ def prepared(
     direction = 1.0 if speeds[0] > 0.0 else -1.0
     usual = default_gains(law_level(level))
     gains = gains_of(placed, vehicle, level, tuning, learned)
-    path_pole = None if placed.gains is not None else mean_pole(gains.h1)
-    bounds = bounds_of(vehicle, path_pole)
+    chosen = placed.gains is None and vehicle.limits is not None
+    path_pole = path_pole_of(gains) if chosen else None
+    bounds = bounds_of(vehicle, mean_pole(gains.h1) if chosen else None)
     law: Law
     if isinstance(placed.path, ImplicitPath):
         over_arc = OverArc(
@@ -107,7 +108,7 @@ def prepared(
         tuning=tuning,
         conduct=conduct,
         learned=learned,
-        path_pole=path_pole if law_level(level) is Level.RATES else None,
+        path_pole=path_pole,
     )
 
 
@@ -124,7 +125,7 @@ def gains_of(mission: Mission, vehicle: Vehicle, level: OutputLevel, tuning: Tun
         lag += as_attitude(tuning).smoothing
     waiting = vehicle.dead_time + HOLD
     # at attitude PX4 holds the last thrust for a second: the height is to be caught without tilting far
-    thrust_horizon = vehicle.motor_lag + waiting if level is OutputLevel.RATES else None
+    thrust_horizon = None if level is OutputLevel.ATTITUDE else vehicle.motor_lag + waiting
     return auto_gains(law_level(level), lag + waiting, thrust_horizon)
 
 
@@ -144,7 +145,8 @@ def _steering(
     highest_gain = max(gains.h1[-1], default_gains(law_level(level)).h1[-1])  # the hold's law has the usual gains
     if law_level(level) is Level.MOTORS:
         prior = prior_of(learned, vehicle.weight / vehicle.thrust_max, vehicle.drag)
-        motors = motor_steering(law, hold, vehicle, prior, highest_gain, course, lag, yaw_lag)
+        lift_gain = highest_gain if gains.vertical is None else max(gains.vertical[-1], highest_gain)
+        motors = motor_steering(law, hold, vehicle, prior, highest_gain, lift_gain, course, lag, yaw_lag, path_pole)
         return motors if level is OutputLevel.MOTORS else torque_steering(motors)
     hover = tuning.hover_thrust or vehicle.hover_thrust or HOVER_THRUST
     encoding = AsRates() if level is OutputLevel.RATES else as_attitude(tuning)

@@ -22,6 +22,7 @@ from companion.profiles import ConstantSpeed
 from companion.steering.steering import Estimates
 from companion.vehicle import MotorInterface, OutputLevel, Vehicle
 from companion.world import Start, World
+from sim_bridge.autopilot.xrce import Release
 from sim_bridge.bridge import Bridge
 from sim_bridge.plant import Truth
 
@@ -85,19 +86,26 @@ def measure_flight(
     seed: int = 0,
     duration: float = 25.0,
     settle: float = 10.0,
+    over_xrce: bool = False,
     start: Start | None = None,
     prepare: Callable[[Conductor, Bridge], None] | None = None,
     watch: Callable[[Conductor, Truth, float], None] | None = None,
 ) -> Measured:
-    """Fly ``duration`` s of following from a hover on the path (or ``start``). ``watch``: called at every step."""
-    if level is OutputLevel.MOTORS:
+    """Fly ``duration`` s of following from a hover on the path (or ``start``). ``over_xrce``: setpoints go to the client
+    of a stock PX4, which is there at 125 Hz. ``watch``: called at every step."""
+    direct = level is OutputLevel.MOTORS and not over_xrce
+    if direct:
         vehicle = dataclasses.replace(vehicle, motors=MotorInterface.DIRECT)
-    direct = level is OutputLevel.MOTORS
     # what nobody reads of the vehicle's messages is not written
     bridge = Bridge(
-        vehicle, where, seed=seed, direct=direct, start=start or start_of(mission), endpoints=1, only=WANTED
+        vehicle, where, seed=seed, direct=direct, start=start or start_of(mission), endpoints=1,
+        only=None if over_xrce else WANTED, xrce=Release.MAIN if over_xrce else None,
+    )  # fmt: skip
+    if over_xrce:
+        bridge.autopilot.parameters["UXRCE_DDS_SYNCT"] = 0  # or the client is ready 6 s later
+    orders = Orders(
+        mission, vehicle, level, duration, Origin.LOCAL, set_parameters=True, has_xrce=over_xrce, over_xrce=over_xrce
     )
-    orders = Orders(mission, vehicle, level, duration, Origin.LOCAL, set_parameters=True)
     conductor = Conductor(orders, None, bridge.now)
     if prepare is not None:
         prepare(conductor, bridge)

@@ -17,8 +17,9 @@ from companion.vehicle import MotorInterface, Vehicle
 
 Array = NDArray[np.float64]
 
-UNDER_DETECTOR = math.radians(10.0)
-"""How far the tilt stays under the autopilot's failure detector, which ends a flight."""
+PLANNED_UNDER_DETECTOR = math.radians(10.0)
+"""rad that a path is planned to stay under the autopilot's failure detector, which ends a flight. In flight wind may
+take 2 of it (steering.tilt_margin.STEADY_UNDER_DETECTOR). Engineering choice."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +67,7 @@ def tilt_limit(vehicle: Vehicle) -> float:
         return math.inf
     if vehicle.motors is MotorInterface.DIRECT:
         return vehicle.limits.tilt
-    return min(vehicle.limits.tilt, vehicle.limits.failure_detector - UNDER_DETECTOR)
+    return min(vehicle.limits.tilt, vehicle.limits.failure_detector - PLANNED_UNDER_DETECTOR)
 
 
 def quantities(asked: Demand, vehicle: Vehicle) -> list[Quantity]:

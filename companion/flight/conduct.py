@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-import math
 from typing import Any, NamedTuple
 
 from companion.vehicle import Vehicle
@@ -88,17 +87,9 @@ def from_dict(values: dict[str, Any]) -> Conduct:
     return Conduct(**{**values, "authority": authority, "finish": finish, "limits": limits})
 
 
-CAUGHT_TILT = math.radians(50.0)
-"""rad from which PX4's Hold caught a vehicle on motors twice, falling 0.7 and 1.6 m. Flown on PX4."""
-OVER = math.radians(5.0)
-"""rad over the tilt that a vehicle may be asked for, where that is more. Engineering choice."""
-
-
 def caught(conduct: Conduct, vehicle: Vehicle) -> Conduct:
     """Past PX4's rate loop nobody but us watches the tilt: it is given back while PX4 can still catch it."""
     tilt = conduct.limits.tilt
     if tilt is None or vehicle.limits is None:
         return conduct
-    return conduct._replace(
-        limits=conduct.limits._replace(tilt=min(tilt, max(CAUGHT_TILT, vehicle.limits.tilt + OVER)))
-    )
+    return conduct._replace(limits=conduct.limits._replace(tilt=min(tilt, vehicle.limits.caught_tilt)))

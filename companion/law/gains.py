@@ -101,13 +101,20 @@ AUTO_DAMPING = 0.85
 """Ratio, of the pair of path poles at rates that stands beside -L, as far from zero. bench.noise_floor: for commands of
 the same size 3 % nearer to the path than three equal ones. With 0.7 5 %, but where the vehicle leans by 51 deg (circle
 r5 at 7 m/s, simulated on sih_noisy) it was handed back in two flights of three; with this in none of eight."""
-AUTO_POLE_RANGE = {Level.RATES: (4.0, 7.0), Level.MOTORS: (4.0, 6.0)}
+AUTO_POLE_RANGE = {Level.RATES: (4.0, 7.0), Level.MOTORS: (4.0, 7.0)}
 """1/s. Simulated on sih_noisy, circle r5 at 3 m/s, level part of the distance: -6 1.5 cm, -7 1.3, -8 1.2. At -7.5 a
 vehicle whose setpoints come later and later tilts by 53 deg until it is handed back, and by under 45 at -7. Heading:
-docs/estimation.md. At motors, 40 s at 3 m/s: -5 4.1 cm, -6 2.8."""
+docs/estimation.md. At motors bench.noise_floor has 2.0 cm with -6, 1.7 with -7 and 1.6 with -8."""
 VERTICAL_POLE_MAX = 10.5
-"""1/s, of the height at rates. Simulated likewise, vertical part: -6 2.1 cm, -9 1.5, -10 1.3; the thrust commanded
-changes by 0.2, 0.35 and 0.45 % of its range from state to state."""
+"""1/s, of the height. Simulated likewise, vertical part: -6 2.1 cm, -9 1.5, -10 1.3; the thrust commanded changes by
+0.2, 0.35 and 0.45 % of its range from state to state."""
+VERTICAL_POLE_TIME = 0.6
+"""rad: its poles times the time after which the thrust acts. As AUTO_POLE_TIME at rates: at motors its fourth pole
+stands for nothing that lags."""
+VERTICAL_FOURTH = 2.0
+"""Ratio, of the fourth pole of the height at motors to the others: the thrust is integrated once more there.
+bench.noise_floor, vertical part: 1.6 cm with the fourth of the level distance, 1.5 with this, 1.3 with six times the
+others, which shakes a vehicle that leans by 50 deg."""
 VERTICAL_POLE_LEAD = 0.3
 """rad: what its poles may be times the time by which the motors are later than the rate loop, and times that by which
 they may be later than told. The thrust is led by the first, and 2.7 L is the gain of that loop. Engineering choice:
@@ -117,7 +124,7 @@ THRUST_HORIZON_MOST = 0.068
 """s: motors of 60 ms, dead time and hold. Engineering choice: nothing finds their lag in flight, so the slowest of
 bench.airframes are counted on."""
 AUTO_SPEED_POLE = -3.0
-"""1/s, of the speed at rates. Simulated likewise: -2.5 2.3 % of the speed, -5 1.9, -6 1.8; path and heading are the
+"""1/s, of the speed. Simulated at rates likewise: -2.5 2.3 % of the speed, -5 1.9, -6 1.8; path and heading are the
 same. Where the state freezes but for its noise, a vehicle tilts by 60 deg with -6 until it is handed back, by 49 with
 -4 and by under 45 with -3."""
 
@@ -128,6 +135,9 @@ On PX4's simulated quadrotor (motor lag 50 ms) that is its rate loop's own lag: 
 BODY_POLE_RANGE = (6.0, 14.0)
 """1/s. Flown on sih_noisy, 40 s at 3 m/s, path poles -6: -14 2.8 cm, -20 2.7; with four at -5 4.1 cm. At 14
 states a second the loop is stable with -14, and hardly with -20."""
+AUTO_YAW_POLE = -3.0
+"""1/s, of the heading at motors, where no yaw loop lags. Simulated on sih_noisy: circle r5 at 3 m/s 0.6 deg, with -2
+0.9; at 7 m/s, where the motors have no torque left for it half of the time, 5 and 8."""
 
 
 def auto_gains(level: Level, horizon: float, thrust_horizon: float | None) -> Gains:
@@ -137,23 +147,23 @@ def auto_gains(level: Level, horizon: float, thrust_horizon: float | None) -> Ga
     The estimate's wander and what is unknown of the forces put an error of 3 / L^2 times their acceleration beside the
     path, so poles are as fast as the horizon allows; noise puts L times itself into the commands, and into the tilt.
     The thrust that holds the height waits for no rate loop, and an estimate's height wanders most: its poles are
-    faster. At motors the poles stand beside a fourth, that of the turning body: four equal ones would have to be at -7
-    for the same error.
+    faster. At motors the poles stand beside a fourth: that of the turning body, or of the thrust that is integrated.
     """
-    usual = default_gains(level)
-    time, (least, most) = AUTO_POLE_TIME[level], AUTO_POLE_RANGE[level]
-    pole = -min(max(time / horizon, least), most)
-    if level is Level.RATES:
-        path, speed = from_poles(_spread(pole)), from_poles((AUTO_SPEED_POLE,) * 2)
-        if thrust_horizon is None:
-            return Gains(path, path, speed, usual.h4)
+    usual, vertical = default_gains(level), None
+    least, most = AUTO_POLE_RANGE[level]
+    level_poles = _spread(-min(max(AUTO_POLE_TIME[level] / horizon, least), most))
+    if thrust_horizon is not None:
         late = max(thrust_horizon - horizon, THRUST_HORIZON_MOST - thrust_horizon, 1e-6)
-        vertical = -max(min(time / thrust_horizon, VERTICAL_POLE_MAX, VERTICAL_POLE_LEAD / late), least)
-        return Gains(path, path, speed, usual.h4, from_poles(_spread(vertical)))
+        pole = min(VERTICAL_POLE_TIME / thrust_horizon, VERTICAL_POLE_MAX, VERTICAL_POLE_LEAD / late)
+        vertical = _spread(-max(pole, least))
+    if level is Level.RATES:
+        path, speed = from_poles(level_poles), from_poles((AUTO_SPEED_POLE,) * 2)
+        return Gains(path, path, speed, usual.h4, None if vertical is None else from_poles(vertical))
     least, most = BODY_POLE_RANGE
     body = -min(max(BODY_POLE_TIME / horizon, least), most)
-    path = from_poles((pole, pole, pole, body))
-    return Gains(path, path, from_poles((*SPEED_POLES[level][:2], body)), usual.h4)
+    path, speed = from_poles((*level_poles, body)), from_poles((AUTO_SPEED_POLE, AUTO_SPEED_POLE, body))
+    own = None if vertical is None else from_poles((*vertical, VERTICAL_FOURTH * vertical[0]))
+    return Gains(path, path, speed, from_poles((AUTO_YAW_POLE,) * 2), own)
 
 
 def _spread(pole: float) -> tuple[complex, ...]:
@@ -165,6 +175,12 @@ def _spread(pole: float) -> tuple[complex, ...]:
 def mean_pole(gains: Sequence[float]) -> float:
     """1/s: the geometric mean of the poles."""
     return -math.pow(gains[0], 1.0 / len(gains))
+
+
+def path_pole_of(gains: Gains) -> float:
+    """1/s: the geometric mean of the poles of h1, at motors of all but the fourth, that of the turning body."""
+    slowest = sorted(abs(pole) for pole in poles_of(gains.h1))[: Level.RATES.value]
+    return -math.pow(math.prod(slowest), 1.0 / len(slowest))
 
 
 def default_gains(level: Level) -> Gains:

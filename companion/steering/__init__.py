@@ -6,7 +6,7 @@ Each is the same block diagram; ``assembly`` puts it together for a vehicle, ``s
 
     steering        what they all are: Steering, Steered, and the aims Along and At
     rates           jerk -> body rates and thrust; rate_memory: what it remembers
-    motors          the paper's chain: snap -> torques -> motor commands
+    motors          the paper's chain: snap -> torques -> motor commands; motor_memory: what it remembers
     torques         those torques, told to PX4's allocator
     speed_governor  the speed gives way where the vehicle could not fly the path at the mission's
     tilt_margin     how much steeper than on average it tilts, which the governor leaves

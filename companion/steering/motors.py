@@ -8,6 +8,7 @@
     govern speed        steering.speed_governor         SpeedScale
     law                 law.flight, law.hold            Extension, the dynamic extension (Eq. 4)
     allocate            allocation                      whether the last command met a limit
+    path poles          steering.path_poles             PathPoles; last, for the law of the next step
 
 Position, velocity and forces are estimated as at the level of rates; where its rate loop stands there, the motors' lag
 and the turning of the body (Eq. 2) stand here. A vehicle without limits is the paper's: it is what its file says, its
@@ -18,7 +19,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from companion.allocation import Allocated, Allocation
 from companion.estimation.body_model import Body, TimedWrench
@@ -36,11 +36,13 @@ from companion.estimation.motor_estimate import (
 )
 from companion.estimation.predictor import ForceModel, PredictedState
 from companion.estimation.rate_loop_model import recent_commands
-from companion.frames import Vec3, clamped, rotation_matrix, upright_error
+from companion.frames import Vec3, clamped, rotation_matrix, tilt, upright_error
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
-from companion.law.speed_scale import UNITY, SpeedScale
+from companion.law.speed_scale import SpeedScale
 from companion.steering.limits import THRUST_NEAR_SATURATION, TILT_RATE_MAX
+from companion.steering.motor_memory import Extension, MotorMemory
+from companion.steering.path_poles import AS_WRITTEN, PoleChoice, update_path_poles
 from companion.steering.shared import (
     COMMANDS_KEPT,
     ask,
@@ -52,11 +54,11 @@ from companion.steering.shared import (
     learned_of,
 )
 from companion.steering.speed_governor import Capability, Course
-from companion.steering.steering import Aim, Along, Steered
-from companion.steering.tilt_margin import MARGIN_FIRST, update_tilt_margin
+from companion.steering.steering import Aim, Along, Estimates, Steered
+from companion.steering.tilt_margin import update_tilt_margin
 from companion.steering.timing import Timing
 from companion.thrust_range import THRUST_USED_MAX, Bound, ThrustRange
-from companion.vehicle import MotorSetpoint, Vehicle, VehicleState
+from companion.vehicle import Limits, MotorSetpoint, Vehicle, VehicleState
 
 NO_DISTURBANCE: Vec3 = (0.0, 0.0, 0.0)
 """m/s^2, NED. By definition."""
@@ -64,31 +66,6 @@ LEVEL_FREQUENCY = 6.0
 """rad/s of the PD law that levels, critically damped. Engineering choice: PX4's MC_ROLL_P is 6.5 1/s."""
 YAW_DAMPING = 4.0
 """1/s, with which it stops the turning. Engineering choice."""
-
-
-class Extension(NamedTuple):
-    """The thrust the law integrates: ``zeta`` N, ``zeta_dot`` N/s, and the last ``zeta_ddot``, N/s^2 (Eq. 4)."""
-
-    zeta: float
-    zeta_dot: float = 0.0
-    zeta_ddot: float = 0.0
-
-    def after(self, dt: float) -> Extension:
-        """``dt`` s later, to first order."""
-        return Extension(self.zeta + dt * self.zeta_dot, self.zeta_dot + dt * self.zeta_ddot, self.zeta_ddot)
-
-
-class MotorMemory(NamedTuple):
-    """The blocks' memories, side by side: see RateMemory."""
-
-    estimate: MotorEstimate
-    commands: tuple[TimedWrench, ...]
-    extension: Extension
-    governor: SpeedScale = UNITY
-    tilt_margin: float = MARGIN_FIRST
-    delay: float | None = None
-    limited: bool = False
-    moving: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,24 +76,25 @@ class MotorSteering:
     lag. The law is therefore evaluated at the state that much after the dead time; at 1 kHz the paper's case 2 (no lag)
     then flies within 0.001 deg of its exact tilt.
 
-    ``range``: of zeta. ``prior``: of what is estimated. ``rate_gain``: 1/s, the law's largest on the body
-    rates. ``course``: what lies ahead; None: the speed never yields.
-    ``tan_tilt_max``: of the steepest tilt. ``rate_lag``: s, of the vehicle's own rate loop as last found, and
-    ``yaw_lag``: s, of its yaw loop, 0 where not known: not used, and kept for a flight on rates.
+    ``rate_lag`` and ``yaw_lag`` are not used, and kept for a flight on rates.
     """
 
     law: Law
     hold: HoldLaw
     vehicle: Vehicle
     allocation: Allocation
-    range: ThrustRange
+    range: ThrustRange  # of zeta
     body: Body
-    prior: Prior
-    rate_gain: float
-    course: Course | None = None
-    tan_tilt_max: float = math.inf
-    rate_lag: float = 0.06
-    yaw_lag: float = 0.0
+    prior: Prior  # of what is estimated
+    rate_gain: float  # 1/s, the law's largest on the body rates of an upright vehicle
+    lift_gain: float  # 1/s, on the rate of the thrust
+    limits: Limits | None  # the vehicle's, with the tilt at which it is handed back
+    course: Course | None = None  # what lies ahead; None: the speed never yields
+    tan_tilt_max: float = math.inf  # of the steepest tilt
+    rate_lag: float = 0.06  # s, of the vehicle's own rate loop as last found
+    yaw_lag: float = 0.0  # s, of its yaw loop; 0: not known
+    path_pole: float = math.nan  # 1/s, of h1 and h2 as recorded where they were chosen
+    pole_choice: PoleChoice = AS_WRITTEN  # how far they may be lowered
 
     @property
     def hover_thrust(self) -> float:
@@ -139,9 +117,16 @@ class MotorSteering:
         capability = self._capability(forces, memory.tilt_margin)
         governor, aim = govern_aim(memory.governor, self.course, aim, capability, dt)
         extension = memory.extension.after(timing.hold)
-        command = ask(self.law, self.hold, _flying(predicted, extension, forces, aim), aim)
-        torque = self._torque(memory, command, predicted.w_b, timing)
-        allocated = self.allocation.allocate((extension.zeta / forces.thrust_scale, *torque))
+        flying = _flying(predicted, extension, forces, aim, memory.poles.scale)
+        command = ask(self.law, self.hold, flying, aim)
+        allocated = self.allocation.allocate(
+            (extension.zeta / forces.thrust_scale, *self._torque(memory, command, flying, timing))
+        )
+        headed = self._headed(command.turn, flying.w_b)
+        poles = update_path_poles(
+            memory.poles, self.pole_choice, headed, tilt(flying.r_nb), dt, along=isinstance(aim, Along)
+        )
+        memory = memory._replace(poles=poles)
         return self._conclude(memory, governor, aim, command, extension, allocated, forces, capability, timing, dt)
 
     def learn(self, memory: MotorMemory) -> MotorMemory:
@@ -177,7 +162,8 @@ class MotorSteering:
         delay = update_dead_time(memory.delay, round_trip, self.vehicle.dead_time, dt, 0.0)
         gap = state.t_boot - memory.estimate.motion.state.t_boot
         if begins_anew(gap, dt):
-            return self._begin_at(restart_motor_estimate(memory.estimate, self.body, state))._replace(delay=delay)
+            begun = self._begin_at(restart_motor_estimate(memory.estimate, self.body, state))
+            return begun._replace(delay=delay, poles=memory.poles)
         if gap <= 0.0:
             return memory._replace(delay=delay)
         if self._observes:
@@ -198,26 +184,32 @@ class MotorSteering:
         most = THRUST_USED_MAX * forces.thrust_scale * self.allocation.thrust_max / self.vehicle.mass
         return capability_of(forces, most, self.tan_tilt_max, tilt_margin)
 
+    def _headed(self, torque: Vec3, w_b: Vec3) -> Vec3:
+        """rad/s: the body rates that the law heads for, w + w'/k: what it would ask for at rates."""
+        (x, y, _), (jx, jy, _), k = torque, self.vehicle.inertia, self.rate_gain
+        return (w_b[0] + x / jx / k, w_b[1] + y / jy / k, w_b[2])
+
     def _within_rates(self, torque: Vec3, w_b: Vec3) -> Vec3:
-        """``torque`` (N m) as if the body rates that the law heads for, w + w'/k, were bounded as at rates: far beside
-        the path nothing else bounds how fast it turns the body."""
-        limits, k = self.vehicle.limits, self.rate_gain
+        """``torque`` (N m) as if the body rates that the law heads for were bounded as at rates: far beside the path
+        nothing else bounds how fast it turns the body."""
+        limits, k = self.limits, self.rate_gain
         if limits is None:
             return torque
-        (x, y, z), (jx, jy, _) = torque, self.vehicle.inertia
-        p, q = w_b[0] + x / jx / k, w_b[1] + y / jy / k
+        (x, y, z), (jx, jy, _), (p, q, _) = torque, self.vehicle.inertia, self._headed(torque, w_b)
         p_most, q_most = min(limits.body_rates[0], TILT_RATE_MAX), min(limits.body_rates[1], TILT_RATE_MAX)
         return (
             x + jx * k * (clamped(p, -p_most, p_most) - p), y + jy * k * (clamped(q, -q_most, q_most) - q), z
         )  # fmt: skip
 
-    def _torque(self, memory: MotorMemory, command: Command, w_b: Vec3, timing: Timing) -> Vec3:
+    def _torque(self, memory: MotorMemory, command: Command, flying: Flying, timing: Timing) -> Vec3:
         """Trim, relax: N m to command, without what turns the body anyway. Not relaxed, poles of -6, -6, -6, -14 and a
-        motor lag of 50 ms swing at every step."""
+        motor lag of 50 ms swing at every step. A vehicle that leans moves its height by turning, so that the gain of
+        the height's is one on its body rates."""
+        w_b, upright = flying.w_b, flying.r_nb[8]
         (u2, u3, u4), (jx, jy, jz) = self._within_rates(command.turn, w_b), self.vehicle.inertia
         tp, tq, tr = memory.estimate.body_state.turning(w_b)
         _, l2, l3, l4 = memory.commands[-1].wrench
-        ratio = timing.relaxation(self.rate_gain)
+        ratio = timing.relaxation(self.lift_gain + upright * upright * (self.rate_gain - self.lift_gain))
         return (
             l2 + ratio * (u2 - jx * tp - l2), l3 + ratio * (u3 - jy * tq - l3), l4 + ratio * (u4 - jz * tr - l4)
         )  # fmt: skip
@@ -231,7 +223,7 @@ class MotorSteering:
         high = capability.specific_thrust * self.vehicle.mass if self._observes else math.inf
         zeta, zeta_dot, before = memory.extension
         # as the torques: the law was asked at half a step of the last zeta_ddot
-        zeta_ddot = before + (command.zeta_derivative - before) / (1.0 + self.rate_gain * timing.hold)
+        zeta_ddot = before + (command.zeta_derivative - before) / (1.0 + self.lift_gain * timing.hold)
         later, later_dot, bound = self.range.twice_integrated(zeta, zeta_dot, zeta_ddot, dt, high)
         sent = self.allocation.wrench(allocated.commands)
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
@@ -241,7 +233,8 @@ class MotorSteering:
             commands=(*memory.commands, TimedWrench(at, sent)),
             extension=Extension(later, later_dot, zeta_ddot),
             governor=governor,
-            tilt_margin=update_tilt_margin(memory.tilt_margin, estimate.motion.state.tilt, self.vehicle.limits, dt),
+            poles=memory.poles,
+            tilt_margin=update_tilt_margin(memory.tilt_margin, estimate.motion.state.tilt, self.limits, dt),
             delay=memory.delay,
             limited=bound is Bound.LEVEL or share > THRUST_NEAR_SATURATION,
             moving=is_to_move(command, aim),
@@ -257,9 +250,13 @@ class MotorSteering:
             thrust_share=share,
             converged=estimate.motion.estimator.converged or not self._observes,
             governor=governor.value,
-            estimates=estimates_of(estimate.motion, timing.delay, math.nan) if self._observes else None,
+            estimates=self._estimates(memory, timing) if self._observes else None,
             rotor_left=self._rotor_left(estimate) if self._observes else 1.0,
         )
+
+    def _estimates(self, memory: MotorMemory, timing: Timing) -> Estimates:
+        pole = self.path_pole * memory.poles.scale
+        return estimates_of(memory.estimate.motion, timing.delay, math.nan, path_pole=pole)
 
     def _rotor_left(self, estimate: MotorEstimate) -> float:
         """What turns the body beside its motors, as what a single rotor does not give. Damping counts with it: a rotor
@@ -279,7 +276,7 @@ class MotorSteering:
         )  # fmt: skip
 
 
-def _flying(predicted: PredictedState, extension: Extension, forces: ForceModel, aim: Aim) -> Flying:
+def _flying(predicted: PredictedState, extension: Extension, forces: ForceModel, aim: Aim, pole_scale: float) -> Flying:
     """The predicted state as the law takes it."""
     return Flying(
         p_n=predicted.p_n,
@@ -291,4 +288,5 @@ def _flying(predicted: PredictedState, extension: Extension, forces: ForceModel,
         disturbance=forces.disturbance_n,
         drag=forces.drag,
         s=aim.s if isinstance(aim, Along) else 0.0,
+        pole_scale=pole_scale,
     )

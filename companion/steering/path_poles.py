@@ -20,12 +20,12 @@ import math
 from typing import NamedTuple
 
 from companion.frames import Vec3
-from companion.steering.tilt_margin import UNDER_DETECTOR
+from companion.steering.tilt_margin import STEADY_UNDER_DETECTOR
 
 ROUGHNESS_MOST = math.radians(3.5)
-"""rad/s, of roll and pitch rate commanded: their noise, by second differences over sqrt(6). Simulated on sih_noisy:
-with the poles that are chosen it is 1.5 deg/s at 3 m/s and 2.2 at 7, and slower poles cost more of the path (3.2 cm at
--4) than the noise is worth; twice that comes to this."""
+"""rad/s, of roll and pitch rate commanded (at motors those that the law heads for): their noise, by second differences
+over sqrt(6). Simulated on sih_noisy: with the poles that are chosen it is 1.5 deg/s at 3 m/s and 2.2 at 7, and slower
+poles cost more of the path (3.2 cm at -4) than the noise is worth; twice that comes to this."""
 JUMP = 3.0 * ROUGHNESS_MOST
 """rad/s: a larger one is counted as this large. Simulated on sih_noisy: taking over jumps by up to 60 deg/s and a reset
 by 50, between which commands are rough by 1 deg/s; squared, they slowed the poles of every fifth flight."""
@@ -104,9 +104,9 @@ def update_path_poles(
 
 
 def steep_scale(tilt: float, pole: float, steepest: float) -> float:
-    """The scale that the room from a tilt to the steepest (rad), which the speed governor keeps at UNDER_DETECTOR at
-    least, leaves to a pole (1/s)."""
-    return min(max(steepest - tilt, UNDER_DETECTOR) / (TILT_PER_POLE * pole), 1.0)
+    """The scale that the room from a tilt to the steepest (rad) leaves to a pole (1/s): STEADY_UNDER_DETECTOR at least,
+    which the speed governor keeps."""
+    return min(max(steepest - tilt, STEADY_UNDER_DETECTOR) / (TILT_PER_POLE * pole), 1.0)
 
 
 def _ratio(poles: PathPoles) -> float:

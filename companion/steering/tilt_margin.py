@@ -1,6 +1,6 @@
 """How much steeper than it leans on average a vehicle has been; the speed governor leaves as much.
 
-A path is flown no steeper, on average, than UNDER_DETECTOR under the failure detector. Noise and
+A path is flown no steeper, on average, than STEADY_UNDER_DETECTOR under the failure detector. Noise and
 gusts tilt the vehicle further, and how far is not known before the flight: what comes near the detector's tilt widens
 the margin, which narrows again.
 
@@ -13,7 +13,7 @@ import math
 
 from companion.vehicle import Limits
 
-UNDER_DETECTOR = math.radians(8.0)
+STEADY_UNDER_DETECTOR = math.radians(8.0)
 """rad that the steady tilt of a path stays under the vehicle's failure detector: 2 to our own guard, 6 for errors,
 noise and gusts. Flown in sih_noisy with 3 m/s of wind: to 3 deg over it; with 2 in all, 7 m/s was handed back."""
 NEAR_DETECTOR = math.radians(5.0)

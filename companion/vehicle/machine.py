@@ -57,10 +57,19 @@ class Limits:
     speed: float = 12.0
     failure_detector: float = math.radians(60.0)
 
+    @property
+    def caught_tilt(self) -> float:
+        """rad at which a vehicle that flies without PX4's rate loop is handed back, so that PX4 can still catch it."""
+        return min(max(CAUGHT_TILT, self.tilt + OVER_TILT), self.failure_detector - TILT_MARGIN)
+
 
 TILT_MARGIN = math.radians(2.0)
 """rad that both what is asked for and our own guard stay under the vehicle's failure detector; and that the steady tilt
 of a path may be over its limit. Engineering choice."""
+CAUGHT_TILT = math.radians(50.0)
+"""rad from which PX4's Hold caught a vehicle on motors twice, falling 0.7 and 1.6 m. Flown on PX4."""
+OVER_TILT = math.radians(5.0)
+"""rad over the tilt that a vehicle may be asked for, where that is more. Engineering choice."""
 
 
 class MotorInterface(enum.Enum):

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.law.gains import Level, auto_gains, default_gains, from_poles, mean_pole, poles_of
+from companion.law.gains import Level, auto_gains, default_gains, from_poles, mean_pole, path_pole_of, poles_of
 
 
 def test_by_hand() -> None:
@@ -47,10 +47,12 @@ def test_gains_chosen_for_a_flight_are_as_fast_as_the_delay_allows() -> None:
     assert sorted(damping) == pytest.approx([0.85, 0.85, 1.0])
     assert auto_gains(Level.RATES, 0.05, None).vertical is None
     motors = auto_gains(Level.MOTORS, 0.1, 0.1)
-    assert sorted(root.real for root in poles_of(motors.h1)) == pytest.approx([-8.0, -5.0, -5.0, -5.0], abs=1e-3)
+    assert path_pole_of(motors) == pytest.approx(-5.0)
+    assert sorted(map(abs, poles_of(motors.h1))) == pytest.approx([5.0, 5.0, 5.0, 8.0], abs=1e-3)
     assert sorted(root.real for root in poles_of(motors.h3)) == pytest.approx([-8.0, -3.0, -3.0], abs=1e-3)
-    assert motors.h4 == default_gains(Level.MOTORS).h4
-    assert motors.vertical is None
+    assert motors.h4 == pytest.approx(from_poles((-3.0, -3.0)))
+    assert motors.vertical is not None
+    assert sorted(map(abs, poles_of(motors.vertical))) == pytest.approx([6.0, 6.0, 6.0, 12.0], abs=1e-3)
 
 
 def test_motors_slower_than_the_rate_loop_make_the_height_slower() -> None:
@@ -61,11 +63,16 @@ def test_motors_slower_than_the_rate_loop_make_the_height_slower() -> None:
         assert mean_pole(gains.vertical) == pytest.approx(-0.3 / late)
 
 
-def test_between_level_and_vertical_gains_every_mixture_is_damped() -> None:
+@pytest.mark.parametrize(
+    ("level", "horizons", "least"), [(Level.RATES, (0.11, 0.058), 1.5), (Level.MOTORS, (0.058, 0.058), 1.4)]
+)
+def test_between_level_and_vertical_gains_every_mixture_is_damped(
+    level: Level, horizons: tuple[float, float], least: float
+) -> None:
     """On a path that slopes the vertical direction has one (law.feedback.with_vertical)."""
-    gains = auto_gains(Level.RATES, 0.11, 0.058)
+    gains = auto_gains(level, *horizons)
     assert gains.vertical is not None
-    assert 1.5 < mean_pole(gains.vertical) / mean_pole(gains.h1) < 2.0
+    assert least < mean_pole(gains.vertical) / mean_pole(gains.h1) < 2.0
     for share in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0):
         mixed = [(1.0 - share) * a + share * b for a, b in zip(gains.h1, gains.vertical, strict=True)]
         assert all(-root.real > 0.65 * abs(root) for root in poles_of(mixed))
