@@ -29,7 +29,13 @@ from companion.estimation.kalman import (
 from companion.estimation.kalman_step import DOWN, DRAG, EAST, GUST, NORTH, THRUST_SCALE
 from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.predictor import ForceModel
-from companion.estimation.scale_change import STEADY, ScaleChange, process_noise, update_scale_change
+from companion.estimation.scale_change import (
+    STEADY,
+    ScaleChange,
+    fade_scale_change,
+    process_noise,
+    update_scale_change,
+)
 from companion.estimation.translation import acceleration
 from companion.frames import Matrix3, Vec3, clamped
 
@@ -205,9 +211,10 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
             unexplained_velocity_n=unexplained_velocity_n,
             change=STEADY,
         )
-    change = STEADY
     if learning:
         change = update_scale_change(known.change, known.belief, belief, noise_of_q, dt)
+    else:
+        change = fade_scale_change(known.change, dt)
     belief, disturbance_lpf_n, disturbance_saturated = _limit(belief, known.disturbance_lpf_n, dt, flight_time)
     noise = adapt_noise(
         known.noise, belief, innovation, dt,
