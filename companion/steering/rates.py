@@ -231,7 +231,8 @@ class RateSteering:
             self.vehicle.mass, memory.estimate.motion.forces.thrust_scale, self.hover_thrust / capability.gravity
         )
         most = capability.specific_thrust * self.vehicle.mass
-        return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, after_horizon, conversion)
+        last = memory.commands[-1].specific_thrust
+        return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, after_horizon, conversion, last)
 
     def _compensate_yaw(
         self, memory: RateMemory, command: Command, predicted: PredictedState, thrust: LimitedThrust,
