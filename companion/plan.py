@@ -92,7 +92,7 @@ def prepared(
             placed.path, placed.speed, placed.yaw, law_level(level), model_of(vehicle), gains, bounds, direction,
             placed.heading,
         )  # fmt: skip
-    course = None if bounds is None else course_of(table, placed.alpha, placed.closed, direction)
+    course = None if bounds is None else course_of(table, placed.alpha, placed.closed, direction, placed.beta)
     hold = hold_law(law_level(level), model_of(vehicle), usual, bounds, placed.heading)
     ramp_time = 0.0 if vehicle.limits is None else start_time(max(map(abs, speeds)))
     return Plan(

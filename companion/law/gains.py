@@ -135,9 +135,11 @@ On PX4's simulated quadrotor (motor lag 50 ms) that is its rate loop's own lag: 
 BODY_POLE_RANGE = (6.0, 14.0)
 """1/s. Flown on sih_noisy, 40 s at 3 m/s, path poles -6: -14 2.8 cm, -20 2.7; with four at -5 4.1 cm. At 14
 states a second the loop is stable with -14, and hardly with -20."""
-AUTO_YAW_POLE = -3.0
-"""1/s, of the heading at motors, where no yaw loop lags. Simulated on sih_noisy: circle r5 at 3 m/s 0.6 deg, with -2
-0.9; at 7 m/s, where the motors have no torque left for it half of the time, 5 and 8."""
+AUTO_YAW_POLE = {Level.RATES: -4.0, Level.MOTORS: -3.0}
+"""1/s, of the heading. At rates less where the yaw loop is slow (steering.yaw); simulated on sih_noisy, figure-eight at
+3 m/s: -2.25 1.04 deg, -3 0.98, -4 0.95; airframes nobody knows, nose along the path: -3 1.3, -4 1.2. At motors, where
+no yaw loop lags, circle r5 at 3 m/s 0.6 deg, with -2 0.9; at 7 m/s, where the motors have no torque left for it half of
+the time, 5 and 8."""
 
 
 def auto_gains(level: Level, horizon: float, thrust_horizon: float | None) -> Gains:
@@ -149,7 +151,7 @@ def auto_gains(level: Level, horizon: float, thrust_horizon: float | None) -> Ga
     The thrust that holds the height waits for no rate loop, and an estimate's height wanders most: its poles are
     faster. At motors the poles stand beside a fourth: that of the turning body, or of the thrust that is integrated.
     """
-    usual, vertical = default_gains(level), None
+    vertical = None
     least, most = AUTO_POLE_RANGE[level]
     level_poles = _spread(-min(max(AUTO_POLE_TIME[level] / horizon, least), most))
     if thrust_horizon is not None:
@@ -158,12 +160,13 @@ def auto_gains(level: Level, horizon: float, thrust_horizon: float | None) -> Ga
         vertical = _spread(-max(pole, least))
     if level is Level.RATES:
         path, speed = from_poles(level_poles), from_poles((AUTO_SPEED_POLE,) * 2)
-        return Gains(path, path, speed, usual.h4, None if vertical is None else from_poles(vertical))
+        yaw = from_poles((AUTO_YAW_POLE[level],))
+        return Gains(path, path, speed, yaw, None if vertical is None else from_poles(vertical))
     least, most = BODY_POLE_RANGE
     body = -min(max(BODY_POLE_TIME / horizon, least), most)
     path, speed = from_poles((*level_poles, body)), from_poles((AUTO_SPEED_POLE, AUTO_SPEED_POLE, body))
     own = None if vertical is None else from_poles((*vertical, VERTICAL_FOURTH * vertical[0]))
-    return Gains(path, path, speed, from_poles((AUTO_YAW_POLE,) * 2), own)
+    return Gains(path, path, speed, from_poles((AUTO_YAW_POLE[level],) * 2), own)
 
 
 def _spread(pole: float) -> tuple[complex, ...]:

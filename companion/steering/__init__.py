@@ -10,7 +10,7 @@ Each is the same block diagram; ``assembly`` puts it together for a vehicle, ``s
     torques         those torques, told to PX4's allocator
     speed_governor  the speed gives way where the vehicle could not fly the path at the mission's
     tilt_margin     how much steeper than on average it tilts, which the governor leaves
-    yaw             the yaw loop compensated
+    yaw             the yaw loop compensated; yaw_forecast: the yaw rates to come; yaw_reference: those that are planned
     path_poles      poles of h1 and h2, by the noise found
     limits          body rates, thrust, anti-windup, levelling
     encoding        those rates as they are, or as the attitude PX4 turns back into them

@@ -69,15 +69,14 @@ from companion.steering.timing import Timing
 from companion.steering.yaw import (
     USUAL_THRUST_PER_RATE,
     ThrustPerRate,
-    YawRequest,
+    Turning,
+    WantedYaw,
     compensate_yaw,
-    look_ahead,
-    request_yaw_ahead,
-    torque_delay,
-    update_yaw_ahead,
+    wanted_yaw,
     yaw_authority,
     yaw_loop,
 )
+from companion.steering.yaw_forecast import forecast_yaw_rates
 from companion.thrust_range import ThrustRange
 from companion.vehicle import Setpoint, Vehicle, VehicleState
 
@@ -124,10 +123,12 @@ class RateSteering:
         flying = self._flying(memory, predicted, aim)
         command = self._ask(flying, aim)
         thrust = self._limit_thrust(memory, command, capability, timing, dt)
-        yaw_rate = self._compensate_yaw(memory, command, predicted, thrust, capability, timing)
+        wanted = self._wanted_yaw(command, flying, aim, capability, timing)
+        turning = self._turning(memory, command, predicted, thrust, capability, timing)
+        loop = yaw_loop(memory.estimate.rate_loop, timing.lag, timing.smoothing)
+        yaw_rate, yaw = compensate_yaw(memory.yaw, loop, wanted, turning, dt)
         rates = self._limit_rates(memory, command, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
-        yaw = request_yaw_ahead(memory.yaw, self._yaw_request(memory, flying, command, aim, timing, dt))
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
         memory = RateMemory(
@@ -148,14 +149,9 @@ class RateSteering:
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
-        # the filter may have taken the state in at once; what is ahead is due all the same
-        estimate, yaw, vehicle = memory.estimate, memory.yaw, self.vehicle
-        if estimate.motion.pending is None and yaw.pending is None:
+        if memory.estimate.motion.pending is None:
             return memory
-        if yaw.pending is not None:
-            ahead = look_ahead(yaw.pending, self._ask, vehicle.gravity, vehicle.mass, self.yaw_gain, self.heading)
-            yaw = update_yaw_ahead(yaw, ahead, yaw.pending.dt)
-        return memory._replace(estimate=learn_pending(estimate, memory.commands), yaw=yaw)
+        return memory._replace(estimate=learn_pending(memory.estimate, memory.commands))
 
     def level_setpoint(self, state: VehicleState | None, memory: RateMemory | None = None) -> Setpoint:
         """See Steering."""
@@ -234,27 +230,31 @@ class RateSteering:
         last = memory.commands[-1].specific_thrust
         return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, after_horizon, conversion, last)
 
-    def _compensate_yaw(
+    def _wanted_yaw(
+        self, command: Command, flying: Flying, aim: Aim, capability: Capability, timing: Timing
+    ) -> WantedYaw:
+        """Yaw compensation: what the law asks for now, and what the path will."""
+        forecast, course = None, self.course
+        if course is not None and isinstance(aim, Along):
+            scale = aim.speed_scale.value
+            s = aim.s + course.direction * scale * course.speed(aim.s) * (timing.delay + timing.hold)
+            forecast = forecast_yaw_rates(course, s, scale, capability, self.heading)
+        chosen, r = not math.isnan(self.path_pole), flying.r_nb
+        return wanted_yaw(command, r, self.heading, self.yaw_gain, forecast, timing.lag, chosen=chosen)
+
+    def _turning(
         self, memory: RateMemory, command: Command, predicted: PredictedState, thrust: LimitedThrust,
         capability: Capability, timing: Timing,
-    ) -> float:  # fmt: skip
-        """Yaw compensation: the yaw rate to command (rad/s)."""
-        (p, q, wanted), (wp, wq, _) = command.turn, predicted.w_b
-        most = self.vehicle.mass * capability.specific_thrust
-        more, derivative = memory.yaw.ahead
-        loop = yaw_loop(memory.estimate.rate_loop, timing.lag, timing.smoothing)
-        tilt_rate_error = abs(p - wp) + abs(q - wq)
-        authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, tilt_rate_error, self.per_rate, loop.torque_lag)
-        r, r_dot = predict_yaw(memory.estimate, memory.commands, timing.delay + timing.hold)
-        trim = memory.estimate.rate_loop_state.yaw_trim
-        return compensate_yaw(loop, wanted + more, derivative, r, r_dot, trim, authority)
-
-    def _yaw_request(
-        self, memory: RateMemory, flying: Flying, command: Command, aim: Aim, timing: Timing, dt: float
-    ) -> YawRequest:
-        """From where the law is looked ahead: to the time at which the yaw torque of the step comes that uses it."""
-        late = torque_delay(memory.estimate.rate_loop.yaw_torque_lag) - timing.lag
-        return YawRequest(flying, command, aim, dt, late)
+    ) -> Turning:  # fmt: skip
+        """Yaw compensation: how the vehicle will turn by itself, and how much it can be turned."""
+        (p, q, _), (wp, wq, _) = command.turn, predicted.w_b
+        most, estimate = self.vehicle.mass * capability.specific_thrust, memory.estimate
+        tilting, late = abs(p - wp) + abs(q - wq), estimate.rate_loop.yaw_torque_lag
+        authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, tilting, self.per_rate, late)
+        r, r_dot = predict_yaw(estimate, memory.commands, timing.delay + timing.hold)
+        limits = self.vehicle.limits
+        fastest = math.inf if limits is None else limits.body_rates[2]
+        return Turning(r, r_dot, estimate.rate_loop_state.yaw_trim, authority, fastest)
 
     def _limit_rates(self, memory: RateMemory, command: Command, yaw_rate: float, timing: Timing) -> LimitedRates:
         """Relax, limits: body rates. The rate loop of a vehicle that is restrained must not wind up. Not relaxed, poles

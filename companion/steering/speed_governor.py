@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from companion.frames import Vec3
+from companion.frames import Vec3, wrap
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.paths.arc import ArcTable
 
@@ -60,12 +60,15 @@ class Place(NamedTuple):
 
     ``tangent``: unit. ``curvature``: 1/m. ``speed``: m/s, the mission's, without a sign. ``sustained_ratio``: the share
     of its curvature that the path has in the mean of SUSTAINED_TIME around it; 1 where it has as much or more.
+    ``speed_slope``: 1/s, of the speed over arc length. ``heading``: rad, asked for.
     """
 
     tangent: Vec3
     curvature: Vec3
     speed: float
     sustained_ratio: float = 1.0
+    speed_slope: float = 0.0
+    heading: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,28 @@ class Course:
             travelled += self.spacing
         return most
 
+    def at(self, s: float) -> Place:
+        """The place at arc length ``s`` (m), between two of them."""
+        count = len(self.places)
+        u = s / self.spacing
+        i = math.floor(u)
+        share = u - i
+        if self.closed:
+            a, b = self.places[i % count], self.places[(i + 1) % count]
+        else:
+            a, b = self.places[min(max(i, 0), count - 1)], self.places[min(max(i + 1, 0), count - 1)]
+        (ax, ay, az), (bx, by, bz) = a.tangent, b.tangent
+        (kx, ky, kz), (lx, ly, lz) = a.curvature, b.curvature
+        rest = 1.0 - share
+        return Place(
+            (rest * ax + share * bx, rest * ay + share * by, rest * az + share * bz),
+            (rest * kx + share * lx, rest * ky + share * ly, rest * kz + share * lz),
+            rest * a.speed + share * b.speed,
+            1.0,
+            (b.speed - a.speed) / self.spacing,
+            a.heading + share * wrap(b.heading - a.heading),
+        )
+
     def speed(self, s: float) -> float:
         """m/s, the mission's speed near arc length ``s``."""
         return self.places[min(max(round(s / self.spacing), 0), len(self.places) - 1)].speed
@@ -177,14 +202,20 @@ def govern_speed(
     return SpeedScale(max(value, SPEED_SCALE_MIN), rate)
 
 
-def course_of(table: ArcTable, speed: Callable[[float], float], closed: bool, direction: float) -> Course:
-    """The course along a curve. ``speed``: the mission's at an arc length, of either sign."""
+def course_of(
+    table: ArcTable,
+    speed: Callable[[float], float],
+    closed: bool,
+    direction: float,
+    heading: Callable[[float], float] = lambda s: 0.0,
+) -> Course:
+    """The course along a curve. ``speed``: the mission's at an arc length, of either sign. ``heading``: rad there."""
     count = max(8, math.ceil(table.length / SPACING))
     spacing = table.length / count
     places = []
     for i in range(count if closed else count + 1):
         _, tangent, curvature = table.at(i * spacing)
-        places.append(Place(tangent, curvature, abs(speed(i * spacing))))
+        places.append(Place(tangent, curvature, abs(speed(i * spacing)), heading=heading(i * spacing)))
     bends = [math.hypot(*place.curvature) for place in places]
     ratios = [_sustained_ratio(bends, i, place.speed, spacing, closed) for i, place in enumerate(places)]
     places = [place._replace(sustained_ratio=ratio) for place, ratio in zip(places, ratios, strict=True)]

@@ -5,6 +5,8 @@ gusts tilt the vehicle further, and how far is not known before the flight: what
 the margin, which narrows again.
 
     margin' = 2 excess / 1 s - margin / 20 s,    excess = max(0, tilt - (detector - 5 deg))
+
+The second term only while the vehicle leans.
 """
 
 from __future__ import annotations
@@ -23,8 +25,11 @@ GROWTH = 2.0
 a flight in two was handed back within ten minutes."""
 NARROWING_TIME = 20.0
 """s in which the margin narrows. Engineering choice: a few laps."""
+LEANING = 0.5
+"""Share of the failure detector's tilt from which on it narrows: a take-off tells nothing of how a vehicle leans.
+Engineering choice."""
 MARGIN_FIRST = math.radians(3.4)
-"""rad, when a flight begins: the attitude that is told is worse after a take-off. Simulated on sih_noisy, circle r5 at
+"""rad, before it has leaned: the attitude that is told is worse after a take-off. Simulated on sih_noisy, circle r5 at
 7 m/s: without it one flight of three was handed back where it had come to its speed, 57 deg told as 61."""
 MARGIN_MAX = math.radians(6.0)
 """rad. Engineering choice: beyond it, it is not noise."""
@@ -35,4 +40,5 @@ def update_tilt_margin(margin: float, tilt: float, limits: Limits | None, dt: fl
     if limits is None:
         return 0.0
     excess = max(0.0, tilt - (limits.failure_detector - NEAR_DETECTOR))
-    return min(margin + dt * (GROWTH * excess - margin / NARROWING_TIME), MARGIN_MAX)
+    narrowing = margin / NARROWING_TIME if tilt > LEANING * limits.failure_detector else 0.0
+    return min(margin + dt * (GROWTH * excess - narrowing), MARGIN_MAX)

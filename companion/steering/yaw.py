@@ -5,30 +5,29 @@ observed by the rate loop model):
 
     T (theta r'' + r') = r_cmd + trim - r
 
-PX4's is several times slower than its tilting loops. So that the rate follows the law's, r -> r_d, with error dynamics
-of poles at -k and -1/theta, what is to be commanded is its inverse:
+PX4's is several times slower than its tilting loops, so the yaw rate that it is to have is planned ahead
+(``steering.yaw_reference``), and a heading beside the planned one is turned out as the law says (h4). So that the rate
+follows, r -> r_d, with error dynamics of poles at -k and -1/theta, what is to be commanded is the inverse of the model:
 
     r_cmd = r + T a - trim        a = r_d' + k (r_d - (r + theta r')),  |T a| <= authority
 
 r and r' are those at the time when the command acts, by prediction; r + theta r' is where the rate ends if nothing more
-is done; r_d and r_d' are the law's theta later. T a is the rate error that the vehicle's own loop turns into torque:
-motors have only so much of it left beside thrust and tilting, which carry the vehicle.
+is done; r_d and r_d' are theta later. T a is the rate error that the vehicle's own loop turns into torque: motors have
+only so much of it left beside thrust and tilting, which carry the vehicle.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 from companion.estimation.rate_loop_model import YAW_LAG, YAW_TORQUE_LAG, RateLoop
-from companion.estimation.translation import acceleration
-from companion.frames import Heading, Vec3, clamped, turned, wrap
-from companion.law.errors import LawError
+from companion.frames import Heading, Matrix3, clamped, wrap
 from companion.law.feedback import YAW_RETURN_RATE
-from companion.law.flight import Command, Flying
+from companion.law.flight import Command
 from companion.steering.limits import THRUST_MAX
-from companion.steering.steering import Aim
+from companion.steering.yaw_forecast import FORECAST_LENGTH, FORECAST_STEP, Forecast, rate_at
+from companion.steering.yaw_reference import YawDrive, YawReference, advance_reference
 from companion.vehicle import Tuning
 
 YAW_LAG_OVER_TILT_LAG = 7.0
@@ -38,8 +37,8 @@ YAW_ERROR_RATE = 2.5
 """Ratio k T of the error dynamics to the loop: quicker, because the loop alone would leave a heading that gusts have
 turned for long. Engineering choice. Never quicker than its torque, k <= 1/theta; and where PX4 smooths what it is sent
 it comes late and would swing the nose at 4 to 8 rad/s: there it is less, and 1 (the inverse alone) at least."""
-BEND_RATE = 5.0
-"""rad/s, of what a bend asks of the yaw rate. Engineering choice: a bend of a figure-eight, 0.6 s long."""
+CHOSEN_GAIN_SHARE = 0.6
+"""Ratio of a gain of h4 that was chosen and not written to k, at most: a damping of 0.65. Engineering choice."""
 YAW_LAG_MIN = 0.02
 """s: what is quicker counts as this quick. Engineering choice."""
 YAW_THRUST_PER_RATE = 0.2
@@ -49,14 +48,22 @@ SHORT_LIVED = 0.4
 Engineering choice."""
 TILT_THRUST_PER_RATE = SHORT_LIVED * 0.15
 """s/rad: the same of a roll or pitch rate error. PX4's default MC_ROLLRATE_P."""
+UPRIGHT_MIN = 0.2
+"""Cosine of the tilt, the least that is divided by. Engineering choice: 78 deg, beyond what is flown."""
 YAW_AUTHORITY_MIN = 0.05
 """rad/s of yaw rate error that are always left to yaw. Engineering choice."""
-MOTION_STEP_RANGE = (0.025, 0.1)
-"""s of the motion that is wanted, each of the three steps in which it is followed. Engineering choice: over less its
-derivative is rounding, over more the steps are coarse."""
-SMOOTHING_TIME = 0.03
-"""s, time constant with which it is smoothed: T multiplies it by 0.4 s, and the noise of the estimate with it.
-Engineering choice."""
+SMOOTHING_TIME = 0.05
+"""s, time constant with which it is smoothed how far the yaw rate that the law asks for is off the forecast: the tilt
+as it is told shakes it. Engineering choice."""
+FADING_RATE = 6.0
+"""1/s at which that fades ahead of now. Engineering choice: as a tilt that noise has asked for, with poles of -5 to
+-7."""
+FADING = tuple(math.exp(-FADING_RATE * FORECAST_STEP * k) for k in range(FORECAST_LENGTH))
+"""Ratio, at the moments of a forecast."""
+AUTHORITY_TIMES = (0.1, 4.0)
+"""s, time constants with which the authority that the plan counts on follows the one that is left, down and up.
+Engineering choice: it is short in bends, and there it counts. With a second both ways airframes that have little of it
+planned what they could not stop (bench.airframes, seeds 4 and 10: 4 and 15 deg of heading for 1.4 and 3)."""
 
 
 class ThrustPerRate(NamedTuple):
@@ -78,36 +85,39 @@ def thrust_per_rate(tuning: Tuning) -> ThrustPerRate:
     return ThrustPerRate(max(tilt, 0.2 * usual.tilt), max(yaw, 0.2 * usual.yaw))
 
 
-class YawRequest(NamedTuple):
-    """What was asked of the law, and what it answered: from where its yaw rate is to be looked for, ``ahead`` s later.
-    ``dt``: s since the state before."""
+class WantedYaw(NamedTuple):
+    """What the law wants at the horizon, ``lead`` s after the command acts. ``rate``: rad/s, its yaw rate but for the
+    turning back of a heading error. ``error``: rad, of the heading. ``gain``: 1/s, of h4. ``turns``: ratio of the
+    body's turning to the heading's. ``forecast``: rad/s of ``rate`` on the path from when the command acts; None where
+    no path is flown. ``chosen``: the gain was not written, and may be less."""
 
-    flying: Flying
-    command: Command
-    aim: Aim
-    dt: float
-    ahead: float
-
-    @property
-    def step(self) -> float:
-        """s, each of the three steps of the motion that is wanted in which the law is asked again."""
-        return clamped(0.5 * (self.ahead + SMOOTHING_TIME), *MOTION_STEP_RANGE)
+    rate: float
+    error: float
+    gain: float
+    turns: float
+    forecast: Forecast | None
+    lead: float
+    chosen: bool
 
 
-class YawAhead(NamedTuple):
-    """The yaw rate that the law will ask for: how much more than now, rad/s, and its derivative then, rad/s^2."""
+class Turning(NamedTuple):
+    """How the vehicle will turn when the command acts, rad/s: ``r``, its derivative ``r_dot`` (rad/s^2), the ``trim``;
+    and what it can do: ``authority``, of yaw rate error; ``most``, the yaw rate that may be commanded."""
 
-    more: float = 0.0
-    derivative: float = 0.0
+    r: float
+    r_dot: float
+    trim: float
+    authority: float
+    most: float
 
 
 class YawMemory(NamedTuple):
-    """``ahead``: smoothed; ``pending``: from where it is to be looked for next, None once it was; ``requested``:
-    whether the last step asked for it."""
+    """``reference``: planned; None: nothing yet. ``deviation``: rad/s, of the law's yaw rate from the forecast,
+    smoothed. ``authority``: rad/s, that the plan counts on; None: none known."""
 
-    ahead: YawAhead = YawAhead()
-    pending: YawRequest | None = None
-    requested: bool = False
+    reference: YawReference | None = None
+    deviation: float = 0.0
+    authority: float | None = None
 
 
 class YawLoop(NamedTuple):
@@ -144,79 +154,52 @@ def yaw_loop(rate_loop: RateLoop, lag: float, smoothing: float) -> YawLoop:
     return YawLoop(yaw_lag, rate_loop.yaw_torque_lag, min(ratio / yaw_lag, 1.0 / rate_loop.yaw_torque_lag))
 
 
-def torque_delay(torque_lag: float) -> float:
-    """s by which the torque (its lag: s) comes late in a bend."""
-    return math.atan(BEND_RATE * torque_lag) / BEND_RATE
+def turns_per_heading(r: Matrix3, heading: Heading) -> float:
+    """By how much a body of this attitude has to turn about its own axis for a turn of its heading."""
+    return 1.0 if heading is Heading.TWIST else (r[0] * r[0] + r[3] * r[3]) / max(r[8], UPRIGHT_MIN)
+
+
+def turning_back(gain: float, error: float) -> float:
+    """rad/s at which the law turns a heading error (rad) out. ``gain``: 1/s, of h4."""
+    return clamped(gain * error, -YAW_RETURN_RATE, YAW_RETURN_RATE)
+
+
+def wanted_yaw(
+    command: Command, r: Matrix3, heading: Heading, gain: float, forecast: Forecast | None, lead: float, *, chosen: bool
+) -> WantedYaw:
+    """Of what the law asks for at attitude ``r``. ``gain``, ``forecast``, ``lead``, ``chosen``: see WantedYaw."""
+    error, turns = wrap(command.yaw - command.beta), turns_per_heading(r, heading)
+    return WantedYaw(command.turn[2] + turning_back(gain, error) * turns, error, gain, turns, forecast, lead, chosen)
 
 
 def compensate_yaw(
-    loop: YawLoop, wanted: float, derivative: float, r: float, r_dot: float, trim: float, authority: float
-) -> float:
-    """rad/s, the yaw rate to command: the inverse above.
+    known: YawMemory, loop: YawLoop, wanted: WantedYaw, turning: Turning, dt: float
+) -> tuple[float, YawMemory]:
+    """rad/s, the yaw rate to command, and what is kept of the plan for the next step, ``dt`` s later."""
+    counted_on = turning.authority if known.authority is None else known.authority
+    counted_on += min(1.0, dt / AUTHORITY_TIMES[turning.authority > counted_on]) * (turning.authority - counted_on)
+    forecast, deviation = (wanted.rate,) * FORECAST_LENGTH, 0.0
+    if wanted.forecast is not None:
+        off = wanted.rate - rate_at(wanted.forecast, wanted.lead)
+        deviation = known.deviation + min(1.0, dt / SMOOTHING_TIME) * (off - known.deviation)
+        forecast = tuple(rate + share * deviation for rate, share in zip(wanted.forecast, FADING, strict=True))
+    planned = known.reference or YawReference(rate=forecast[0])
+    low = max(-turning.authority, -turning.most - planned.rate)
+    high = min(turning.authority, turning.most - planned.rate)
+    drive = YawDrive(loop.lag, loop.torque_lag, counted_on, min(low, 0.0), max(high, 0.0))
+    planned = advance_reference(planned, forecast, drive, dt)
+    # as at the horizon, where the law has the heading
+    error = planned.error + wanted.lead * (planned.rate - rate_at(forecast, 0.5 * wanted.lead))
+    gain = min(wanted.gain, CHOSEN_GAIN_SHARE * loop.error_rate) if wanted.chosen else wanted.gain
+    back = turning_back(gain, wanted.error - error / wanted.turns) * wanted.turns
+    r_d = planned.rate + loop.torque_lag * planned.acceleration - back
+    commanded = follow_yaw(loop, r_d, planned.drive / loop.lag, turning)
+    return commanded, YawMemory(planned, deviation, counted_on)
 
-    ``wanted``: r_d, rad/s, and ``derivative``: r_d', rad/s^2, by the law. ``r``: rad/s, ``r_dot``: rad/s^2, when the
-    command acts. ``trim``: rad/s. ``authority``: rad/s of yaw rate error.
-    """
+
+def follow_yaw(loop: YawLoop, wanted: float, derivative: float, turning: Turning) -> float:
+    """rad/s, the yaw rate to command: the inverse above. ``wanted``: r_d, rad/s, and ``derivative``: r_d', rad/s^2."""
+    r, r_dot, trim, authority, _ = turning
     acceleration = derivative + loop.error_rate * (wanted - (r + loop.torque_lag * r_dot))
     error = clamped(loop.lag * acceleration, -authority, authority)
     return r + clamped(error - trim, -authority, authority)
-
-
-def request_yaw_ahead(yaw: YawMemory, request: YawRequest) -> YawMemory:
-    """``yaw`` after a step: every other one is often enough."""
-    return YawMemory(yaw.ahead, None if yaw.requested else request, not yaw.requested)
-
-
-def update_yaw_ahead(yaw: YawMemory, ahead: YawAhead, dt: float) -> YawMemory:
-    """``yaw`` with what was pending, smoothed; states come every ``dt`` s, and it is looked for at every other one."""
-    k = min(1.0, 2.0 * dt / SMOOTHING_TIME)
-    (more, derivative), (more_now, derivative_now) = yaw.ahead, ahead
-    smoothed = YawAhead(more + k * (more_now - more), derivative + k * (derivative_now - derivative))
-    return YawMemory(smoothed, None, yaw.requested)
-
-
-def look_ahead(
-    request: YawRequest, law: Callable[[Flying, Aim], Command], gravity: float, mass: float, yaw_gain: float,
-    heading: Heading,
-) -> YawAhead:  # fmt: skip
-    """What the law will ask for: it is asked again in three steps of the motion it wants, with the heading error as it
-    is. The derivative is that of SMOOTHING_TIME further on, by which it comes late. Nothing where the law is not
-    defined there, which it will say when it comes there."""
-    flying, command, aim, _, ahead = request
-    h = request.step
-    rates = [command.turn[2]]
-    try:
-        for _ in range(3):
-            flying = _later(flying, command, h, gravity, mass, yaw_gain, heading)
-            command = law(flying, aim)
-            rates.append(command.turn[2])
-    except LawError:
-        return YawAhead()
-    now, first, second, third = rates
-    share = clamped(ahead / h, 0.0, 2.0)
-    then = first + (share - 1.0) * (second - first) if share > 1.0 else now + share * (first - now)
-    return YawAhead(then - now, (third - first) / (2.0 * h))
-
-
-def _later(
-    flying: Flying, command: Command, h: float, gravity: float, mass: float, yaw_gain: float, heading: Heading
-) -> Flying:
-    """``flying`` after ``h`` s of a command, without the part that turns the heading error out."""
-    r, (x, y, z), (vx, vy, vz) = flying.r_nb, flying.p_n, flying.v_n
-    p, q, s = command.turn
-    per_turn = 1.0 if heading is Heading.TWIST else (r[0] * r[0] + r[3] * r[3]) / max(r[8], 0.2)
-    s += clamped(yaw_gain * wrap(command.yaw - command.beta), -YAW_RETURN_RATE, YAW_RETURN_RATE) * per_turn
-    r_then = turned(r, (p, q, s), h)
-    zeta = max(flying.zeta + h * command.zeta_derivative, 0.5 * flying.zeta)
-    # the mean thrust, of both ends
-    f, g = 0.5 * flying.zeta / mass, 0.5 * zeta / mass
-    specific_thrust_n: Vec3 = (f * r[2] + g * r_then[2], f * r[5] + g * r_then[5], f * r[8] + g * r_then[8])
-    ax, ay, az = acceleration(specific_thrust_n, flying.v_n, gravity, flying.drag, flying.disturbance)
-    half = 0.5 * h
-    return Flying(
-        (x + h * (vx + half * ax), y + h * (vy + half * ay), z + h * (vz + half * az)),
-        (vx + h * ax, vy + h * ay, vz + h * az),
-        r_then,
-        zeta,
-        *flying[4:],
-    )

@@ -10,9 +10,8 @@ import pytest
 from companion.estimation.dead_time import DELAY_MAX, DELAY_SLEW, PX4_STEP, update_dead_time
 from companion.estimation.rate_loop_model import TimedCommand, alike, recent_commands
 from companion.estimation.translation import acceleration
-from companion.frames import Heading, Vec3, rotation_matrix
+from companion.frames import Vec3, rotation_matrix
 from companion.law.errors import LawError
-from companion.law.flight import Command, Flying
 from companion.steering.limits import (
     LEVEL_RATE_MAX,
     THRUST_MAX,
@@ -23,19 +22,12 @@ from companion.steering.limits import (
     limit_rates,
     limit_thrust,
 )
-from companion.steering.steering import Aim, At
 from companion.steering.timing import Timing
 from companion.steering.yaw import (
     YAW_AUTHORITY_MIN,
-    YawAhead,
+    Turning,
     YawLoop,
-    YawMemory,
-    YawRequest,
-    compensate_yaw,
-    look_ahead,
-    request_yaw_ahead,
-    torque_delay,
-    update_yaw_ahead,
+    follow_yaw,
     usual_yaw_lag,
     yaw_authority,
     yaw_loop,
@@ -47,11 +39,8 @@ ZERO: Vec3 = (0.0, 0.0, 0.0)
 LIMITS = Limits(tilt=0.8, body_rates=(3.0, 5.0, 1.0), speed=12.0)
 RANGE = ThrustRange(2.0, 18.0, 30.0)
 LOOP = YawLoop(lag=0.3, torque_lag=0.1, error_rate=6.0)
+TURNING = Turning(r=0.0, r_dot=0.0, trim=0.0, authority=9.0, most=math.inf)
 CONVERSION = ThrustConversion(mass=1.0, scale=1.0, per_specific=0.05)
-
-
-def command(turn: Vec3 = ZERO, yaw: float = 0.0, beta: float = 0.0) -> Command:
-    return Command(0.0, turn, (1.0, 0.0, 0.0), 3.0, 3.0, yaw, beta, 1.0)
 
 
 class TestTranslation:
@@ -192,30 +181,16 @@ class TestTiming:
 
 class TestYaw:
     def test_nothing_asked_nothing_commanded(self) -> None:
-        assert compensate_yaw(LOOP, 0.0, 0.0, 0.0, 0.0, 0.0, 9.0) == 0.0
+        assert follow_yaw(LOOP, 0.0, 0.0, TURNING) == 0.0
 
     def test_a_rate_that_is_already_there_is_commanded_as_it_is(self) -> None:
-        assert compensate_yaw(LOOP, 0.7, 0.0, 0.7, 0.0, 0.0, 9.0) == 0.7
+        assert follow_yaw(LOOP, 0.7, 0.0, TURNING._replace(r=0.7)) == 0.7
 
     def test_signs(self) -> None:
-        assert compensate_yaw(LOOP, 0.0, 1.0, 0.0, 0.0, 0.0, 9.0) > 0.0
-        assert compensate_yaw(LOOP, 0.0, 0.0, 0.0, 0.0, 0.2, 9.0) == -0.2  # it turns by itself
-        assert compensate_yaw(LOOP, 0.5, 0.0, 0.2, 0.0, 0.0, 9.0) > 0.5  # short of what is wanted
-        assert compensate_yaw(LOOP, 0.5, 0.0, 0.5, 1.0, 0.0, 9.0) < 0.5  # it will go beyond by itself
-
-    def test_it_is_the_inverse_of_the_loop(self) -> None:
-        """The model, turned by what is commanded, follows a rate that rises and falls, whatever turns it besides."""
-        r, r_dot, trim, h, ahead = 0.0, 0.0, 0.3, 0.001, torque_delay(LOOP.torque_lag)
-        worst = 0.0
-        for k in range(6000):
-            t = k * h
-            wanted, derivative = math.sin(1.7 * (t + ahead)), 1.7 * math.cos(1.7 * (t + ahead))
-            commanded = compensate_yaw(LOOP, wanted, derivative, r, r_dot, trim, 9.0)
-            r_dot += h * ((commanded + trim - r) / LOOP.lag - r_dot) / LOOP.torque_lag
-            r += h * r_dot
-            if t > 2.0:
-                worst = max(worst, abs(r - math.sin(1.7 * t)))
-        assert worst < 0.03
+        assert follow_yaw(LOOP, 0.0, 1.0, TURNING) > 0.0
+        assert follow_yaw(LOOP, 0.0, 0.0, TURNING._replace(trim=0.2)) == -0.2  # it turns by itself
+        assert follow_yaw(LOOP, 0.5, 0.0, TURNING._replace(r=0.2)) > 0.5  # short of what is wanted
+        assert follow_yaw(LOOP, 0.5, 0.0, TURNING._replace(r=0.5, r_dot=1.0)) < 0.5  # it will go beyond by itself
 
     def test_an_error_goes_as_fast_as_it_is_told_once_the_torque_is_there(self) -> None:
         """(theta s + 1)(s + k): the step response of two lags, without overshoot."""
@@ -224,17 +199,17 @@ class TestYaw:
             t = i * h
             lags = 1.0 - (math.exp(-k * t) - k * theta * math.exp(-t / theta)) / (1.0 - k * theta)
             assert r == pytest.approx(lags, abs=0.01)
-            r_dot += h * ((compensate_yaw(LOOP, 1.0, 0.0, r, r_dot, 0.0, 9.0) - r) / LOOP.lag - r_dot) / theta
+            commanded = follow_yaw(LOOP, 1.0, 0.0, TURNING._replace(r=r, r_dot=r_dot))
+            r_dot += h * ((commanded - r) / LOOP.lag - r_dot) / theta
             r += h * r_dot
 
     def test_it_stays_within_its_authority_of_what_the_vehicle_does(self) -> None:
         """Neither what it is to be turned by nor what the vehicle is told is more."""
+        weak = Turning(0.4, 0.0, 0.0, 0.5, math.inf)
         for wanted in (-5.0, 5.0):
-            assert compensate_yaw(LOOP, wanted, 0.0, 0.4, 0.0, 0.0, 0.5) == pytest.approx(
-                0.4 + math.copysign(0.5, wanted)
-            )
-        assert compensate_yaw(LOOP, 5.0, 0.0, 0.4, 0.0, 0.1, 0.5) == pytest.approx(0.8)
-        assert compensate_yaw(LOOP, -5.0, 0.0, 0.4, 0.0, 0.1, 0.5) == pytest.approx(-0.1)
+            assert follow_yaw(LOOP, wanted, 0.0, weak) == pytest.approx(0.4 + math.copysign(0.5, wanted))
+        assert follow_yaw(LOOP, 5.0, 0.0, weak._replace(trim=0.1)) == pytest.approx(0.8)
+        assert follow_yaw(LOOP, -5.0, 0.0, weak._replace(trim=0.1)) == pytest.approx(-0.1)
 
     def test_thrust_and_tilting_come_first(self) -> None:
         easy = yaw_authority(5.0, 0.0, 20.0, 0.0)
@@ -250,38 +225,6 @@ class TestYaw:
         smoothed = yaw_loop(alike(0.2, 0.05), 0.2, 0.14)
         assert smoothed.error_rate * smoothed.lag < 1.5
         assert yaw_loop(alike(0.06, 0.2), 0.06, 0.0).error_rate < slow.error_rate  # never quicker than its torque
-
-    @pytest.mark.parametrize("torque_lag", [0.1, 0.2])
-    def test_what_is_ahead_is_the_laws(self, torque_lag: float) -> None:
-        """A law whose yaw rate grows with the position north, flown north at 2 m/s: 0.3 * 2 rad/s^2."""
-
-        def law(flying: Flying, aim: Aim) -> Command:
-            return command((0.0, 0.0, 0.3 * flying.p_n[0]))
-
-        flying = Flying(ZERO, (2.0, 0.0, 0.0), rotation_matrix((1.0, 0.0, 0.0, 0.0)), 9.8)
-        request = YawRequest(flying, law(flying, At(ZERO, 0.0)), At(ZERO, 0.0), 0.008, torque_lag)
-        more, derivative = look_ahead(request, law, 9.8, 1.0, 2.0, Heading.PROJECTED)
-        assert derivative == pytest.approx(0.6)
-        assert more == pytest.approx(0.6 * torque_lag)
-
-    def test_where_the_law_is_not_defined_nothing_is_ahead(self) -> None:
-        def law(flying: Flying, aim: Aim) -> Command:
-            raise LawError("off its domain")
-
-        flying = Flying(ZERO, ZERO, rotation_matrix((1.0, 0.0, 0.0, 0.0)), 9.8)
-        request = YawRequest(flying, command(), At(ZERO, 0.0), 0.008, 0.1)
-        assert look_ahead(request, law, 9.8, 1.0, 2.0, Heading.PROJECTED) == YawAhead()
-
-    def test_it_is_looked_for_once_at_every_other_state(self) -> None:
-        flying = Flying(ZERO, ZERO, rotation_matrix((1.0, 0.0, 0.0, 0.0)), 9.8)
-        request = YawRequest(flying, command(), At(ZERO, 0.0), 0.015, 0.1)
-        asked = request_yaw_ahead(YawMemory(), request)
-        assert asked.pending is request
-        known = update_yaw_ahead(asked, YawAhead(0.1, 2.0), request.dt)
-        assert (known.ahead, known.pending) == (YawAhead(0.1, 2.0), None)
-        rests = request_yaw_ahead(known, request)
-        assert (rests.ahead, rests.pending) == (known.ahead, None)
-        assert request_yaw_ahead(rests, request).pending is request
 
 
 def test_commands_that_have_acted_are_let_go() -> None:
