@@ -32,7 +32,7 @@ MAY_IMPORT: dict[str, str] = {
     "px4_allocation": "frames vehicle allocation",
     "thrust_range": "vehicle",
     "estimation": "frames calculus vehicle",
-    "steering": "frames vehicle paths law allocation px4_allocation thrust_range estimation",
+    "steering": "frames calculus vehicle paths law allocation px4_allocation thrust_range estimation",
     "feasibility": "frames fence calculus vehicle paths profiles law allocation thrust_range mission",
     "identification": "plain_text frames vehicle px4_allocation",
     "flight": "mavlink_common vehicle fence",

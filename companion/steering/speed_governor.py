@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from companion.frames import Vec3, wrap
+from companion.frames import Vec3
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.paths.arc import ArcTable
 
@@ -60,14 +60,13 @@ class Place(NamedTuple):
 
     ``tangent``: unit. ``curvature``: 1/m. ``speed``: m/s, the mission's, without a sign. ``sustained_ratio``: the share
     of its curvature that the path has in the mean of SUSTAINED_TIME around it; 1 where it has as much or more.
-    ``speed_slope``: 1/s, of the speed over arc length. ``heading``: rad, asked for.
+    ``heading``: rad, asked for.
     """
 
     tangent: Vec3
     curvature: Vec3
     speed: float
     sustained_ratio: float = 1.0
-    speed_slope: float = 0.0
     heading: float = 0.0
 
 
@@ -125,27 +124,19 @@ class Course:
             travelled += self.spacing
         return most
 
-    def at(self, s: float) -> Place:
-        """The place at arc length ``s`` (m), between two of them."""
+    @cached_property
+    def rows(self) -> tuple[tuple[float, ...], ...]:
+        """The places as numbers: tangent, curvature, speed, heading."""
+        return tuple((*each.tangent, *each.curvature, each.speed, each.heading) for each in self.places)
+
+    def between(self, s: float) -> tuple[int, int, float]:
+        """The places before and after arc length ``s`` (m), and how far from the one to the other it lies."""
         count = len(self.places)
         u = s / self.spacing
         i = math.floor(u)
-        share = u - i
         if self.closed:
-            a, b = self.places[i % count], self.places[(i + 1) % count]
-        else:
-            a, b = self.places[min(max(i, 0), count - 1)], self.places[min(max(i + 1, 0), count - 1)]
-        (ax, ay, az), (bx, by, bz) = a.tangent, b.tangent
-        (kx, ky, kz), (lx, ly, lz) = a.curvature, b.curvature
-        rest = 1.0 - share
-        return Place(
-            (rest * ax + share * bx, rest * ay + share * by, rest * az + share * bz),
-            (rest * kx + share * lx, rest * ky + share * ly, rest * kz + share * lz),
-            rest * a.speed + share * b.speed,
-            1.0,
-            (b.speed - a.speed) / self.spacing,
-            a.heading + share * wrap(b.heading - a.heading),
-        )
+            return i % count, (i + 1) % count, u - i
+        return min(max(i, 0), count - 1), min(max(i + 1, 0), count - 1), u - i
 
     def speed(self, s: float) -> float:
         """m/s, the mission's speed near arc length ``s``."""

@@ -10,11 +10,15 @@ the path takes, and the heading psi asked for there,
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
-from companion.frames import Heading, Vec3, wrap
-from companion.steering.speed_governor import Capability, Course, Place
+from companion.calculus import machine_code
+from companion.calculus.scalar import Scalar, atan2, cos, maximum, sin, sqrt, wrap
+from companion.calculus.straight import Function, Tape
+from companion.frames import Heading
+from companion.steering.speed_governor import Capability, Course
 
 FORECAST_STEP = 0.1
 """s between the moments of a forecast. Engineering choice: a bend of a figure-eight is 0.6 s long."""
@@ -39,8 +43,8 @@ def rate_at(forecast: Forecast, t: float) -> float:
 class Leaning(NamedTuple):
     """An attitude. ``axis``: the body's down, world frame. ``heading``: rad."""
 
-    axis: Vec3
-    heading: float
+    axis: tuple[Scalar, Scalar, Scalar]
+    heading: Scalar
 
 
 def forecast_yaw_rates(course: Course, s: float, scale: float, capability: Capability, heading: Heading) -> Forecast:
@@ -48,39 +52,64 @@ def forecast_yaw_rates(course: Course, s: float, scale: float, capability: Capab
     mission's speed."""
     way = course.direction if scale >= 0.0 else -course.direction
     step = way * course.speed(s) * abs(scale) * FORECAST_STEP
-    attitudes = [
-        _attitude(course.at(s + (k - 0.5) * step), abs(scale), way, capability) for k in range(FORECAST_LENGTH + 1)
-    ]
+    rows = course.rows
+    inputs = [abs(scale), way, course.spacing, capability.drag, *capability.disturbance_n, capability.gravity]
+    for k in range(FORECAST_LENGTH + 1):
+        i, j, share = course.between(s + (k - 0.5) * step)
+        inputs.append(share)
+        inputs += rows[i]
+        inputs += rows[j]
+    return _recorded(heading, machine_code.in_use)(*inputs)
+
+
+@lru_cache(maxsize=4)
+def _recorded(heading: Heading, in_machine_code: bool) -> Function:
+    """(scale, way, spacing, drag, disturbance, gravity, and for moments FORECAST_STEP apart the share and two rows of a
+    course) -> yaw rates half way from each to the next. ``in_machine_code``: whether that is in use."""
+    tape = Tape()
+    scale, way, spacing, drag, *disturbance_n, gravity = tape.inputs("f", "way", "h", "c", "dx", "dy", "dz", "g")
+    attitudes = []
+    for k in range(FORECAST_LENGTH + 1):
+        (share,) = tape.inputs(f"u{k}")
+        before, after = (tape.inputs(*(f"{side}{k}_{i}" for i in range(8))) for side in "ab")
+        here = [a + share * (b - a) for a, b in zip(before[:7], after[:7], strict=True)]
+        slope = (after[6] - before[6]) / spacing
+        axis = _thrust_axis(here[:3], here[3:6], scale * here[6], scale * slope, way, drag, disturbance_n, gravity)
+        attitudes.append(Leaning(axis, before[7] + share * wrap(after[7] - before[7])))
     rate = _projected_rate if heading is Heading.PROJECTED else _twist_rate
-    return tuple(rate(a, b) for a, b in pairwise(attitudes))
+    return machine_code.function_of(tape, "forecast", [rate(a, b) for a, b in pairwise(attitudes)])
 
 
-def _attitude(place: Place, scale: float, way: float, capability: Capability) -> Leaning:
-    (kx, ky, kz), (tx, ty, tz), (dx, dy, dz) = place.curvature, place.tangent, capability.disturbance_n
-    v = place.speed * scale
-    v2, along = v * v, v * (place.speed_slope * scale + capability.drag * way)
+def _thrust_axis(
+    tangent: list[Scalar], curvature: list[Scalar], v: Scalar, slope: Scalar, way: Scalar, drag: Scalar,
+    disturbance_n: list[Scalar], gravity: Scalar,
+) -> tuple[Scalar, Scalar, Scalar]:  # fmt: skip
+    """Where a vehicle's down axis points that flies there at ``v`` (m/s, along the path by the sign of ``way``), which
+    changes by ``slope`` (1/s) over arc length."""
+    along = v * (slope + drag * way)
     # gravity and disturbance less acceleration and drag: what the thrust has to carry
-    x, y, z = dx - kx * v2 - tx * along, dy - ky * v2 - ty * along, capability.gravity + dz - kz * v2 - tz * along
-    size = max(math.sqrt(x * x + y * y + z * z), SIZE_MIN)
-    return Leaning((x / size, y / size, z / size), place.heading)
+    x, y, z = (d - k * (v * v) - t * along for t, k, d in zip(tangent, curvature, disturbance_n, strict=True))
+    z = z + gravity
+    size = maximum(sqrt(x * x + y * y + z * z), SIZE_MIN)
+    return x / size, y / size, z / size
 
 
-def _projected_rate(a: Leaning, b: Leaning) -> float:
+def _projected_rate(a: Leaning, b: Leaning) -> Scalar:
     """rad/s, of the yaw between attitudes FORECAST_STEP apart."""
     pitch_a, across_a = _pitch_and_sine_of_roll(a)
     pitch_b, across_b = _pitch_and_sine_of_roll(b)
-    turned = 0.5 * (a.axis[2] + b.axis[2]) * wrap(b.heading - a.heading)
-    return (turned - 0.5 * (across_a + across_b) * wrap(pitch_b - pitch_a)) / FORECAST_STEP
+    turned = (a.axis[2] + b.axis[2]) * wrap(b.heading - a.heading)
+    return (turned - (across_a + across_b) * wrap(pitch_b - pitch_a)) * (0.5 / FORECAST_STEP)
 
 
-def _pitch_and_sine_of_roll(leaning: Leaning) -> tuple[float, float]:
+def _pitch_and_sine_of_roll(leaning: Leaning) -> tuple[Scalar, Scalar]:
     (x, y, z), psi = leaning
-    c, s = math.cos(psi), math.sin(psi)
-    return math.atan2(c * x + s * y, z), s * x - c * y
+    c, s = cos(psi), sin(psi)
+    return atan2(c * x + s * y, z), s * x - c * y
 
 
-def _twist_rate(a: Leaning, b: Leaning) -> float:
+def _twist_rate(a: Leaning, b: Leaning) -> Scalar:
     """rad/s, of the yaw between attitudes FORECAST_STEP apart."""
     (ax, ay, az), (bx, by, bz) = a.axis, b.axis
-    swung = (ax * by - ay * bx) / max(1.0 + 0.5 * (az + bz), UPSIDE_DOWN)
+    swung = (ax * by - ay * bx) / maximum(1.0 + 0.5 * (az + bz), UPSIDE_DOWN)
     return (wrap(b.heading - a.heading) - swung) / FORECAST_STEP

@@ -97,11 +97,22 @@ def test_between_its_moments_it_is_a_line_and_goes_on_beyond() -> None:
 
 
 def test_an_open_path_ends_and_a_closed_one_goes_on() -> None:
-    places = tuple(Place((1.0, 0.0, 0.0), (0.0, 0.1 * k, 0.0), float(k + 1), heading=0.2 * k) for k in range(4))
-    course = Course(places, 1.0, False, 1.0)
-    assert course.at(-3.0).speed == 1.0
-    assert course.at(9.0).speed == 4.0
-    assert course.at(1.5) == Place((1.0, 0.0, 0.0), (0.0, pytest.approx(0.15), 0.0), 2.5, 1.0, 1.0, pytest.approx(0.3))
-    closed = Course(places, 1.0, True, 1.0)
-    assert closed.at(3.5).speed == 2.5
-    assert closed.at(-0.5).speed == closed.at(3.5).speed
+    places = tuple(Place((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 2.0) for _ in range(4))
+    course = Course(places, 0.5, False, 1.0)
+    assert course.between(-1.2)[:2] == (0, 0)
+    assert course.between(9.0)[:2] == (3, 3)
+    assert course.between(0.75) == (1, 2, 0.5)
+    closed = Course(places, 0.5, True, 1.0)
+    assert closed.between(1.75) == (3, 0, 0.5)
+    assert closed.between(-0.25) == (3, 0, 0.5)
+
+
+def test_a_speed_that_rises_leans_the_vehicle() -> None:
+    """East along a straight line, the nose to the north: the lean is a roll, out of which it turns."""
+    still = Capability(20.0, math.inf, 0.0, (0.0, 0.0, 0.0), GRAVITY)
+    places = tuple(Place((0.0, 1.0, 0.0), (0.0, 0.0, 0.0), 2.0 + 0.5 * k, heading=0.01 * k) for k in range(40))
+    course = Course(places, 0.5, False, 1.0)
+    assert forecast_yaw_rates(course, 2.0, 1.0, still, Heading.TWIST) == pytest.approx((0.08,) * FORECAST_LENGTH)
+    lean = math.atan2(4.0 * 1.0, GRAVITY)  # 4 m/s, by 1 m/s more each metre
+    projected = forecast_yaw_rates(course, 2.0, 1.0, still, Heading.PROJECTED)[0]
+    assert projected == pytest.approx(0.08 / math.cos(lean), rel=0.1)
