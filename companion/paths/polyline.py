@@ -73,7 +73,9 @@ def polyline(points: Sequence[Vec3], closed: bool, tolerance: float | Sequence[f
         if reach[i + 1] > 0.0 and (closed or i + 1 < count):
             pieces.append(_corner(p[(i + 1) % len(p)], legs[i], legs[following], reach[i + 1]))
             knots.append(at + reach[i + 1])
-    shape = Shape(Piecewise(tuple(knots), tuple(pieces)), knots[0], knots[-1], closed, tuple(knots[1:-1]))
+    # as Python's own floats: numpy's would spread from here to every command, and are slow
+    first, *inner, last = (float(knot) for knot in knots)
+    shape = Shape(Piecewise((first, *inner, last), tuple(pieces)), first, last, closed, tuple(inner))
     return Curve(shape)
 
 

@@ -177,7 +177,8 @@ def compensate_yaw(
 ) -> tuple[float, YawMemory]:
     """rad/s, the yaw rate to command, and what is kept of the plan for the next step, ``dt`` s later."""
     counted_on = turning.authority if known.authority is None else known.authority
-    counted_on += min(1.0, dt / AUTHORITY_TIMES[turning.authority > counted_on]) * (turning.authority - counted_on)
+    down, up = AUTHORITY_TIMES
+    counted_on += min(1.0, dt / (up if turning.authority > counted_on else down)) * (turning.authority - counted_on)
     forecast, deviation = (wanted.rate,) * FORECAST_LENGTH, 0.0
     if wanted.forecast is not None:
         off = wanted.rate - rate_at(wanted.forecast, wanted.lead)

@@ -24,6 +24,7 @@ from companion.paths.placement import Placement
 from companion.paths.polyline import line, polyline
 from companion.paths.round import circle, ellipse, helix
 from companion.paths.spline import spline
+from trials.measured import course
 
 Array = NDArray[np.float64]
 UP: Vec3 = (0.0, 0.0, 1.0)
@@ -313,3 +314,15 @@ def test_ten_thousand_waypoints_cost_a_tick_no_more_than_ten() -> None:
             curve.closest((x, y + 0.3, z), curve.parameter(s - 0.02))
         counts[size] = calls
     assert abs(counts[10_000] - counts[10]) <= 0.1 * counts[10]
+
+
+@pytest.mark.parametrize("kind", ["polyline", "spline", "line", "lissajous", "helix"])
+def test_what_is_said_of_a_place_is_pythons_own_floats(kind: str) -> None:
+    """numpy's spread from a path's knots to every command, and a choice made by one of their comparisons is no bool."""
+    curve = course(kind).path
+    assert isinstance(curve, Curve)
+    point, tangent, curvature = curve.table.at(1.0)
+    u = curve.parameter(1.0)
+    _, derivatives = curve.closest(point, u)
+    said = (u, curve.arc(u), *point, *tangent, *curvature, *(x for each in derivatives for x in each))
+    assert {type(each) for each in said} == {float}

@@ -31,11 +31,10 @@ YAW, YAW_RATE_MAX, YAW_DIVISOR = 1.5, 1.5, 0.2
 
 
 class TrackerMemory(NamedTuple):
-    """The law's own memory, the stamp at which the timetable began, the time on it at which the last command acts."""
+    """The law's own memory, and the stamp at which the timetable began."""
 
     rates: RateMemory
     begun: float | None = None
-    acts: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -53,25 +52,22 @@ class Tracker:
         self, memory: TrackerMemory, state: VehicleState, dt: float, aim: Aim, round_trip: float | None = None
     ) -> Steered:
         """See Steering."""
-        rates, begun, _ = self.learn(memory)
+        rates, begun = self.learn(memory)
         if begun is None and isinstance(aim, Along) and dt > 0.0:
             begun = state.t_boot
         t = 0.0 if begun is None else state.t_boot - begun
         delay = self.rates.vehicle.dead_time if round_trip is None else round_trip
         acts = t + delay + 0.5 * dt + self.rates.rate_loop.lag
         steered = self._for(acts).steer(rates, state, dt, aim, round_trip)
-        return steered._replace(memory=TrackerMemory(steered.memory, begun, acts))
+        return steered._replace(memory=TrackerMemory(steered.memory, begun))
 
     def learn(self, memory: TrackerMemory) -> TrackerMemory:
         """See Steering."""
-        pending = memory.rates.yaw.pending
-        step = 0.0 if pending is None else pending.step
-        law = TrackingAhead(self.course, memory.acts, step, self.rates)
-        return memory._replace(rates=dataclasses.replace(self.rates, law=law).learn(memory.rates))
+        return memory._replace(rates=self.rates.learn(memory.rates))
 
     def _for(self, t: float) -> RateSteering:
         """The law's steering, asking for the moment ``t`` of the timetable."""
-        return dataclasses.replace(self.rates, law=Tracking(self.course.at(t), self.rates))
+        return dataclasses.replace(self.rates, law=Tracking(self.course.at(t), self.rates), yaw_gain=YAW)
 
     def level_setpoint(self, state: VehicleState | None, memory: TrackerMemory | None = None) -> Setpoint:
         """See Steering."""
@@ -127,19 +123,6 @@ class Tracking:
             beta=0.0,
             regularity=1.0,
         )
-
-
-class TrackingAhead:
-    """The same in one step after another of ``step`` s, from the moment ``t`` (s) of the timetable on: the yaw rate is
-    looked ahead for in steps."""
-
-    def __init__(self, course: Course, t: float, step: float, rates: RateSteering) -> None:
-        self._course, self._t, self._step, self._rates = course, t, step, rates
-
-    def __call__(self, flying: Flying, ramp: SpeedScale) -> Command:
-        """See Law."""
-        self._t += self._step
-        return Tracking(self._course.at(self._t), self._rates)(flying, ramp)
 
 
 def _sum(*terms: tuple[float, Vec3]) -> Vec3:
