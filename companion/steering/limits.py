@@ -76,24 +76,19 @@ class ThrustConversion(NamedTuple):
 
 def limit_thrust(
     range_: ThrustRange, zeta: float, zeta_derivative: float, dt: float, most: float, after_horizon: float,
-    conversion: ThrustConversion, last: float,
+    conversion: ThrustConversion,
 ) -> LimitedThrust:  # fmt: skip
     """zeta (N) integrated over ``dt`` s within its bounds, and the thrust to send.
 
     ``zeta_derivative``: N/s, by the law. ``most``: N, what the vehicle has. ``after_horizon``: s, mostly negative, from
-    the time of zeta to the middle of the time in which the thrust of this command acts. ``last``: m/s^2, the specific
-    thrust of the command before. A thrust that would be there too soon lags by as much; led along its slope instead,
-    what swings at 8 Hz is sent twice as wide, and motors slower than told swing with it. Anti-windup: on a bound
+    the time of zeta to the middle of the time in which the thrust of this command acts. Anti-windup: on a bound
     zeta_dot is zero. The rates of a vehicle that is restrained are zero, so its zeta settles at what the path asks of
     one at rest with this tilt, and it is not flung away when it is released. LawError: a thrust that is no number; PX4
     from 1.18 on stops the motors at it.
     """
     later, zeta_dot, bound = range_.integrated(zeta, zeta_derivative, dt, min(range_.high, most))
     newtons_per_specific = conversion.mass * conversion.scale
-    specific = (zeta + zeta_dot * max(after_horizon, 0.0)) / newtons_per_specific
-    if after_horizon < 0.0:
-        specific = last + (1.0 - math.exp(dt / after_horizon)) * (specific - last)
-    wanted = specific * conversion.per_specific
+    wanted = (zeta + zeta_dot * after_horizon) / newtons_per_specific * conversion.per_specific
     if not math.isfinite(wanted + later):
         raise LawError(f"the thrust is not finite: {wanted}")
     sent = clamp_thrust(wanted)

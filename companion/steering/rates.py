@@ -227,8 +227,7 @@ class RateSteering:
             self.vehicle.mass, memory.estimate.motion.forces.thrust_scale, self.hover_thrust / capability.gravity
         )
         most = capability.specific_thrust * self.vehicle.mass
-        last = memory.commands[-1].specific_thrust
-        return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, after_horizon, conversion, last)
+        return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, after_horizon, conversion)
 
     def _wanted_yaw(
         self, command: Command, flying: Flying, aim: Aim, capability: Capability, timing: Timing
