@@ -236,7 +236,9 @@ class MotorSteering:
             poles=memory.poles,
             tilt_margin=update_tilt_margin(memory.tilt_margin, estimate.motion.state.tilt, self.limits, dt),
             delay=memory.delay,
-            limited=bound is Bound.LEVEL or share > THRUST_NEAR_SATURATION,
+            limited=bound is Bound.LEVEL
+            or share > THRUST_NEAR_SATURATION
+            or (bound is Bound.SLEW and not estimate.motion.estimator.converged),
             moving=is_to_move(command, aim),
         )
         return Steered(

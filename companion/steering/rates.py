@@ -130,6 +130,7 @@ class RateSteering:
         rates = self._limit_rates(memory, command, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
+        known = estimate.motion.estimator.converged  # before, what only zeta_dot's bound held teaches a wrong scale
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
         memory = RateMemory(
             estimate,
@@ -142,7 +143,7 @@ class RateSteering:
             ),
             tilt_margin=update_tilt_margin(memory.tilt_margin, state.tilt, self.vehicle.limits, dt),
             delay=memory.delay,
-            limited=limited or thrust.sent > THRUST_NEAR_SATURATION,
+            limited=limited or thrust.sent > THRUST_NEAR_SATURATION or (thrust.slew_limited and not known),
             moving=is_to_move(command, aim),
         )
         return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited or thrust.slew_limited)
