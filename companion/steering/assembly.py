@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 from companion.allocation import Allocation
+from companion.calculus import machine_code
 from companion.estimation.body_model import Body
 from companion.estimation.estimator import Prior
 from companion.estimation.rate_loop_model import LAG_MIN, alike
@@ -20,6 +21,7 @@ from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
 from companion.steering.tilt_margin import STEADY_UNDER_DETECTOR
 from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
+from companion.steering.yaw_forecast import recorded_forecast
 from companion.thrust_range import thrust_range_of
 from companion.vehicle import TILT_MARGIN, MotorInterface, Vehicle
 
@@ -63,6 +65,8 @@ def rate_steering(
     were chosen; None: they are as written. ``yaw_lag``: s, of its yaw loop as last found; None: a usual one."""
     whole = max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing
     rate_loop = alike(whole, vehicle.motor_lag, yaw_lag or usual_yaw_lag(vehicle.rate_loop_lag))
+    if course is not None:
+        recorded_forecast(heading, machine_code.in_use)  # now and not in the first tick along the path
     return RateSteering(
         law=law,
         hold=hold,

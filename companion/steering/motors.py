@@ -40,7 +40,7 @@ from companion.frames import Vec3, clamped, rotation_matrix, tilt, upright_error
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.law.speed_scale import SpeedScale
-from companion.steering.limits import THRUST_NEAR_SATURATION, TILT_RATE_MAX
+from companion.steering.limits import TILT_RATE_MAX
 from companion.steering.motor_memory import Extension, MotorMemory
 from companion.steering.path_poles import AS_WRITTEN, PoleChoice, update_path_poles
 from companion.steering.shared import (
@@ -50,6 +50,7 @@ from companion.steering.shared import (
     capability_of,
     estimates_of,
     govern_aim,
+    is_nothing_learned,
     is_to_move,
     learned_of,
 )
@@ -236,9 +237,9 @@ class MotorSteering:
             poles=memory.poles,
             tilt_margin=update_tilt_margin(memory.tilt_margin, estimate.motion.state.tilt, self.limits, dt),
             delay=memory.delay,
-            limited=bound is Bound.LEVEL
-            or share > THRUST_NEAR_SATURATION
-            or (bound is Bound.SLEW and not estimate.motion.estimator.converged),
+            limited=is_nothing_learned(
+                estimate.motion, share, on_a_bound=bound is Bound.LEVEL, slewed=bound is Bound.SLEW
+            ),
             moving=is_to_move(command, aim),
         )
         return Steered(

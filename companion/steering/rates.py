@@ -41,7 +41,6 @@ from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
 from companion.steering.limits import (
     THRUST_MAX,
-    THRUST_NEAR_SATURATION,
     LimitedRates,
     LimitedThrust,
     ThrustConversion,
@@ -59,6 +58,7 @@ from companion.steering.shared import (
     capability_of,
     estimates_of,
     govern_aim,
+    is_nothing_learned,
     is_to_move,
     learned_of,
 )
@@ -130,7 +130,6 @@ class RateSteering:
         rates = self._limit_rates(memory, command, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
-        known = estimate.motion.estimator.converged  # before, what only zeta_dot's bound held teaches a wrong scale
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
         memory = RateMemory(
             estimate,
@@ -143,7 +142,7 @@ class RateSteering:
             ),
             tilt_margin=update_tilt_margin(memory.tilt_margin, state.tilt, self.vehicle.limits, dt),
             delay=memory.delay,
-            limited=limited or thrust.sent > THRUST_NEAR_SATURATION or (thrust.slew_limited and not known),
+            limited=is_nothing_learned(estimate.motion, thrust.sent, on_a_bound=limited, slewed=thrust.slew_limited),
             moving=is_to_move(command, aim),
         )
         return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited or thrust.slew_limited)

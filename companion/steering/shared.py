@@ -18,6 +18,7 @@ from companion.estimation.rate_loop_identification import GAP_MAX as IDENTIFICAT
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.law.speed_scale import UNITY, SpeedScale
+from companion.steering.limits import THRUST_NEAR_SATURATION
 from companion.steering.speed_governor import Capability, Course, govern_speed
 from companion.steering.steering import Aim, Along, Estimates
 
@@ -32,6 +33,12 @@ COMMANDS_KEPT = IDENTIFICATION_GAP_MAX
 def begins_anew(gap: float, dt: float) -> bool:
     """Whether the estimate begins again: setpoints are not flown (``dt`` 0), or no state came for ``gap`` s."""
     return dt == 0.0 or gap > GAP_MAX
+
+
+def is_nothing_learned(motion: MotionEstimate, share: float, *, on_a_bound: bool, slewed: bool) -> bool:
+    """Whether what a command does is no lesson. ``share``: of the largest thrust. ``on_a_bound``: of the vehicle.
+    ``slewed``: by zeta_dot's bound alone, which teaches a wrong thrust scale until that is known."""
+    return on_a_bound or share > THRUST_NEAR_SATURATION or (slewed and not motion.estimator.converged)
 
 
 def capability_of(forces: ForceModel, specific_thrust: float, tan_tilt_max: float, tilt_margin: float) -> Capability:

@@ -107,7 +107,7 @@ class Course:
         wanted = abs(scale)
         most = math.inf
         travelled, k = 0.0, begin
-        here = self.places[begin % count if self.closed else min(max(begin, 0), count - 1)]
+        here = self.places[self.index(begin)]
         now = here.speed * wanted
         reach = now * (LOOK_AHEAD_MIN + 0.5 * now / PLANNED_BRAKING) + self.spacing
         while travelled <= reach:
@@ -131,12 +131,14 @@ class Course:
 
     def between(self, s: float) -> tuple[int, int, float]:
         """The places before and after arc length ``s`` (m), and how far from the one to the other it lies."""
-        count = len(self.places)
         u = s / self.spacing
         i = math.floor(u)
-        if self.closed:
-            return i % count, (i + 1) % count, u - i
-        return min(max(i, 0), count - 1), min(max(i + 1, 0), count - 1), u - i
+        return self.index(i), self.index(i + 1), u - i
+
+    def index(self, k: int) -> int:
+        """Of the ``k``-th place: round and round where the course is closed, else the last one for ever."""
+        count = len(self.places)
+        return k % count if self.closed else min(max(k, 0), count - 1)
 
     def speed(self, s: float) -> float:
         """m/s, the mission's speed near arc length ``s``."""

@@ -59,11 +59,11 @@ def forecast_yaw_rates(course: Course, s: float, scale: float, capability: Capab
         inputs.append(share)
         inputs += rows[i]
         inputs += rows[j]
-    return _recorded(heading, machine_code.in_use)(*inputs)
+    return recorded_forecast(heading, machine_code.in_use)(*inputs)
 
 
 @lru_cache(maxsize=4)
-def _recorded(heading: Heading, in_machine_code: bool) -> Function:
+def recorded_forecast(heading: Heading, in_machine_code: bool) -> Function:
     """(scale, way, spacing, drag, disturbance, gravity, and for moments FORECAST_STEP apart the share and two rows of a
     course) -> yaw rates half way from each to the next. ``in_machine_code``: whether that is in use."""
     tape = Tape()

@@ -38,8 +38,6 @@ STEP_MAX = 0.02
 """s, the longest step of the reference. Engineering choice: a fifth of its quickest time."""
 ERROR_MAX = 0.35
 """rad of heading error that are planned at most. Engineering choice: 20 deg."""
-LAG_MIN = 0.02
-"""s: a torque that comes sooner counts as this late. Engineering choice."""
 NEWTON_STEPS = 30
 """Number, to the root. Engineering choice: it is sought from above, where it converges for certain."""
 
@@ -79,7 +77,7 @@ def advance_reference(known: YawReference, forecast: Forecast, drive: YawDrive, 
     best = solution(drive)
     d0 = best.d0
     ahead = d0 * sum(weight * rate for weight, rate in zip(best.weights, forecast, strict=True))
-    lag, torque_lag = drive.lag, max(drive.torque_lag, LAG_MIN)
+    lag, torque_lag = drive.lag, drive.torque_lag
     e, r, a, v = known
     steps = max(1, math.ceil(dt / STEP_MAX - 1e-9))
     h = dt / steps
@@ -95,7 +93,7 @@ def advance_reference(known: YawReference, forecast: Forecast, drive: YawDrive, 
 def solution(drive: YawDrive) -> Solution:
     """For a loop; on a grid, and kept."""
     lag, torque_lag, authority = (
-        round(GRID * math.log(max(value, LAG_MIN))) for value in (drive.lag, drive.torque_lag, drive.authority)
+        round(GRID * math.log(value)) for value in (drive.lag, drive.torque_lag, drive.authority)
     )
     return _solution(lag, torque_lag, authority)
 

@@ -15,7 +15,7 @@ import pytest
 from companion.calculus import machine_code
 from companion.calculus.expression import parse
 from companion.calculus.scalar import Scalar, elementary, maximum, minimum, sqrt, wrap
-from companion.calculus.straight import Tape
+from companion.calculus.straight import Function, Tape
 from companion.estimation.kalman_step import AXES, PER_AXIS, SIZE, UPPER, step_of
 from companion.estimation.predictor import ForceModel, predict
 from companion.estimation.rate_loop_model import RateLoopState, TimedCommand, alike
@@ -43,15 +43,15 @@ def bits(values: Sequence[float]) -> list[bytes]:
     return [b"nan" if math.isnan(value) else struct.pack("d", value) for value in values]
 
 
-def outcome(function: object, *inputs: float) -> object:
+def outcome(function: Function, *inputs: float) -> object:
     """What a function gives, or that it raises."""
     try:
-        return bits(function(*inputs))  # type: ignore[operator]
+        return bits(function(*inputs))
     except (ValueError, ArithmeticError):
         return "raised"
 
 
-def both(tape: Tape, outputs: Sequence[Scalar]) -> tuple[object, object]:
+def both(tape: Tape, outputs: Sequence[Scalar]) -> tuple[Function, Function]:
     text = machine_code.assembly(tape, outputs)
     assert text is not None
     return tape.function("f", outputs), machine_code.compiled(text)
@@ -91,19 +91,19 @@ def test_products_are_rounded_before_they_are_added() -> None:
     x, y = tape.inputs("x", "y")
     _, machine = both(tape, [x * x - y])
     a = 1.0 + 2.0**-30
-    assert machine(a, a * a) == (0.0,)  # type: ignore[operator]
+    assert machine(a, a * a) == (0.0,)
 
 
 def test_it_is_called_as_pythons_own_functions_are() -> None:
     tape = Tape()
     x, y = tape.inputs("x", "y")
     _, machine = both(tape, [x / y, 2.0, y])
-    assert machine(1, 2.0) == (0.5, 2.0, 2.0)  # type: ignore[operator]
+    assert machine(1, 2.0) == (0.5, 2.0, 2.0)
     for given in ((), (1.0,), (1.0, 2.0, 3.0), ("1", 2.0), (1.0, None)):
         with pytest.raises(TypeError):
-            machine(*given)  # type: ignore[operator]
+            machine(*given)  # type: ignore[arg-type] # what is wrong of them is tested
     with pytest.raises(ArithmeticError):
-        machine(1.0, 0.0)  # type: ignore[operator]
+        machine(1.0, 0.0)
 
 
 def test_what_is_not_known_stays_python() -> None:
