@@ -11,6 +11,7 @@ kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, an
 noise_levels, adaptation how noisy it is, and how that is found
 estimator                what keeps the filter consistent: freezing, clamps, noise, resets
 scale_change             a thrust scale that changes all at once
+restraint                whether something holds the vehicle
 predictor                a state advanced by a short time, under the commands already sent
 dead_time                from a state to the moment its command acts
 translation              the translational acceleration

@@ -7,7 +7,7 @@ clamp       ||d - LPF(d)|| is clamped: a vehicle that is restrained is not taken
 levels      how noisy the measurements are follows from their innovations; how much the vehicle's estimate wanders, and
             how strong the gusts are, from what the filter finds of them (expectation maximisation of a stationary
             process: its variance is the mean of estimate squared plus variance of the estimate)
-change      a thrust scale that changes all at once (payload, battery) is looked for: see ``scale_change``
+change      where the thrust scale changed all at once (payload, battery) the last second is gone through again
 reset       after a jump of the vehicle's own estimate position, velocity and bias are reset, and their
             cross-covariances zeroed
 """
@@ -26,14 +26,16 @@ from companion.estimation.kalman import (
     reset_disturbance,
     reset_position_velocity,
 )
-from companion.estimation.kalman_step import DOWN, DRAG, EAST, GUST, NORTH, THRUST_SCALE
+from companion.estimation.kalman_step import DOWN, DRAG, DRAG_Q, EAST, GUST, NORTH, THRUST_SCALE, THRUST_SCALE_Q
 from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.predictor import ForceModel
+from companion.estimation.restraint import is_restrained, unexplained_velocity
 from companion.estimation.scale_change import (
+    MEMORY,
     STEADY,
     ScaleChange,
     fade_scale_change,
-    process_noise,
+    loose_process_noise,
     update_scale_change,
 )
 from companion.estimation.translation import acceleration
@@ -71,14 +73,6 @@ JUMP_SIGMAS = 10.0
 """Number of standard deviations of the innovation from which on it is a jump. Engineering choice."""
 HOVER_SPEED_MAX = 1.0
 """m/s, below which a tilt at the beginning is taken for the wind's. Engineering choice."""
-RESTRAINED_SPEED_MAX = 0.25
-"""m/s: slower than this a vehicle that is to move may be restrained. Engineering choice."""
-UNEXPLAINED_VELOCITY_MIN = 0.5
-"""m/s of velocity that it should have come to and has not, from which on it is restrained. Engineering choice."""
-UNEXPLAINED_VELOCITY_TIME = 1.0
-"""s, time constant in which such velocity is forgotten. Engineering choice."""
-RELEASE_SPEED = 0.12
-"""m/s: so fast towards where its thrust points a vehicle that was restrained is free again. Engineering choice."""
 CONVERGED_RATIO = 0.03
 """Ratio of the thrust scale's standard deviation to the scale, at which it is known well enough to follow a path.
 Engineering choice."""
@@ -103,7 +97,8 @@ class EstimatorState(NamedTuple):
     ``belief``: mean and covariance of the filter's state. ``noise``: how noisy it is. ``disturbance_lpf_n``: m/s^2,
     LPF(d). ``freeze_left``: s left without learning. ``flight_time``: s since the first update.
     ``disturbance_saturated``: whether the clamp acts. ``unexplained_velocity_n``: m/s that a vehicle that stands still
-    should have come to by the forces on it. ``change``: what speaks for a change of the thrust scale.
+    should have come to by the forces on it. ``change``: what speaks for a change of the thrust scale. ``past``: the
+    steps of the last MEMORY that led here, none since it went through them again or something was reset.
     """
 
     belief: Belief
@@ -114,11 +109,12 @@ class EstimatorState(NamedTuple):
     disturbance_saturated: bool = False
     unexplained_velocity_n: Vec3 = (0.0, 0.0, 0.0)
     change: ScaleChange = STEADY
+    past: tuple[PastStep, ...] = ()
 
     @property
     def restrained(self) -> bool:
         """Whether something holds the vehicle."""
-        return _is_restrained(self.unexplained_velocity_n)
+        return is_restrained(self.unexplained_velocity_n)
 
     @property
     def converged(self) -> bool:
@@ -143,6 +139,13 @@ class Measurement(NamedTuple):
     limited: bool = False
     jumped: bool = False
     moving: bool = False
+
+
+class PastStep(NamedTuple):
+    """What was known ``before`` a ``measurement``, without what led there."""
+
+    before: EstimatorState
+    measurement: Measurement
 
 
 def initial_estimator_state(
@@ -184,33 +187,40 @@ def _are_near(a: Vec3, b: Vec3, most: float) -> bool:
 
 def update_estimate(known: EstimatorState, measurement: Measurement, gravity: float) -> EstimatorState:
     """``known`` after another measurement."""
+    later = _updated(known, measurement, gravity, (THRUST_SCALE_Q, DRAG_Q))
+    return _gone_through_again(later.past, gravity) if later.change.found else later
+
+
+def _gone_through_again(past: tuple[PastStep, ...], gravity: float) -> EstimatorState:
+    """What is known after steps in which the thrust scale may have changed. The next change is looked for anew."""
+    known = past[0].before
+    for _, measurement in past:
+        known = _updated(known, measurement, gravity, loose_process_noise(known.belief.drag))
+    return known._replace(change=STEADY, past=())
+
+
+def _updated(
+    known: EstimatorState, measurement: Measurement, gravity: float, noise_of_q: tuple[float, float]
+) -> EstimatorState:
+    """``known`` after another measurement. ``noise_of_q``: 1/s, 1/s^3, process noise of thrust scale and drag."""
     dt, specific_thrust_n, p_n, v_n, limited, jumped, moving = measurement
     freeze_left = FREEZE_TIME if limited else max(0.0, known.freeze_left - dt)
     learning = freeze_left == 0.0
-    noise_of_q = process_noise(known.change, known.belief.drag)
     belief, innovation = predict_and_update(
         known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning, *noise_of_q
     )
     flight_time = known.flight_time + dt
-    unexplained_velocity_n = (
-        _unexplained_velocity(known, dt, specific_thrust_n, gravity, v_n) if moving else (0.0, 0.0, 0.0)
-    )
-    if _is_restrained(unexplained_velocity_n):
-        return known._replace(
-            belief=reset_disturbance(known.belief, p_n, v_n, known.disturbance_lpf_n, known.noise),
-            freeze_left=FREEZE_TIME,
-            flight_time=flight_time,
-            unexplained_velocity_n=unexplained_velocity_n,
-            change=STEADY,
-        )
+    unexplained_velocity_n = ZERO
+    if moving:
+        k, (fx, fy, fz) = known.belief.thrust_scale, specific_thrust_n
+        a_n = acceleration((k * fx, k * fy, k * fz), ZERO, gravity, 0.0, known.disturbance_lpf_n)
+        unexplained_velocity_n = unexplained_velocity(known.unexplained_velocity_n, dt, a_n, v_n)
+    if is_restrained(unexplained_velocity_n):
+        belief = reset_disturbance(known.belief, p_n, v_n, known.disturbance_lpf_n, known.noise)
+        return _reset(known, belief, flight_time, unexplained_velocity_n)
     if jumped or _is_jump(innovation):
-        return known._replace(
-            belief=reset_position_velocity(known.belief, p_n, v_n, known.noise),
-            freeze_left=FREEZE_TIME,
-            flight_time=flight_time,
-            unexplained_velocity_n=unexplained_velocity_n,
-            change=STEADY,
-        )
+        belief = reset_position_velocity(known.belief, p_n, v_n, known.noise)
+        return _reset(known, belief, flight_time, unexplained_velocity_n)
     if learning:
         change = update_scale_change(known.change, known.belief, belief, noise_of_q, dt)
     else:
@@ -231,30 +241,21 @@ def update_estimate(known: EstimatorState, measurement: Measurement, gravity: fl
         disturbance_saturated,
         unexplained_velocity_n,
         change,
+        _lengthened(known, measurement, flight_time),
     )
 
 
-def _is_restrained(unexplained_velocity_n: Vec3) -> bool:
-    x, y, z = unexplained_velocity_n
-    return x * x + y * y + z * z > UNEXPLAINED_VELOCITY_MIN * UNEXPLAINED_VELOCITY_MIN
+def _reset(known: EstimatorState, belief: Belief, flight_time: float, unexplained_velocity_n: Vec3) -> EstimatorState:
+    return known._replace(
+        belief=belief, freeze_left=FREEZE_TIME, flight_time=flight_time,
+        unexplained_velocity_n=unexplained_velocity_n, change=STEADY, past=(),
+    )  # fmt: skip
 
 
-def _unexplained_velocity(known: EstimatorState, dt: float, specific_thrust_n: Vec3, gravity: float, v_n: Vec3) -> Vec3:
-    """m/s that a vehicle that stands still should have come to by the forces on it; zero once it moves. One that was
-    restrained is free as soon as it moves the way it is pushed."""
-    vx, vy, vz = v_n
-    x, y, z = known.unexplained_velocity_n
-    released = known.restrained and vx * x + vy * y + vz * z > RELEASE_SPEED * math.sqrt(x * x + y * y + z * z)
-    if released or vx * vx + vy * vy + vz * vz > RESTRAINED_SPEED_MAX * RESTRAINED_SPEED_MAX:
-        return (0.0, 0.0, 0.0)
-    (sx, sy, sz), thrust_scale = known.disturbance_lpf_n, known.belief.thrust_scale
-    keep = 1.0 - dt / UNEXPLAINED_VELOCITY_TIME
-    fx, fy, fz = specific_thrust_n
-    return (
-        keep * x + dt * (sx - thrust_scale * fx),
-        keep * y + dt * (sy - thrust_scale * fy),
-        keep * z + dt * (gravity + sz - thrust_scale * fz),
-    )
+def _lengthened(known: EstimatorState, measurement: Measurement, flight_time: float) -> tuple[PastStep, ...]:
+    """The steps of the last MEMORY, one more and the oldest no more."""
+    past = (*known.past, PastStep(known._replace(past=()), measurement))
+    return past if past[0].before.flight_time >= flight_time - MEMORY else past[1:]
 
 
 def _is_jump(innovation: Innovation) -> bool:
