@@ -9,7 +9,9 @@ body_model               what stands between a motor command and what the vehicl
 angular_damping          how the air damps the turning of the body, found in flight
 kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, and how the reported ones wander
 noise_levels, adaptation how noisy it is, and how that is found
-estimator                what keeps the filter consistent: freezing, clamps, noise, resets
+estimator                what keeps the filter consistent: freezing, noise, resets
+clamps                   the most that is believed of disturbance, thrust scale and drag
+motor_lag                the lag of the motors, found by when thrust shows in the velocity
 scale_change             a thrust scale that changes all at once
 restraint                whether something holds the vehicle
 predictor                a state advanced by a short time, under the commands already sent

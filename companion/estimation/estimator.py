@@ -2,11 +2,11 @@
 
 freeze      thrust scale and drag are not learned for FREEZE_TIME after anything that is not the model: a clipped
             command, a thrust at its bound, a vehicle that is restrained or stopped
-clamp       ||d - LPF(d)|| is clamped: a vehicle that is restrained is not taken for one in a storm, and does not leap
-            away when it is released
+clamp       ||d - LPF(d)|| is clamped: see ``clamps``
 levels      how noisy the measurements are follows from their innovations; how much the vehicle's estimate wanders, and
             how strong the gusts are, from what the filter finds of them (expectation maximisation of a stationary
             process: its variance is the mean of estimate squared plus variance of the estimate)
+lag         the motors' lag is found from the same innovations: see ``motor_lag``
 change      where the thrust scale changed all at once (payload, battery) the last second is gone through again
 reset       after a jump of the vehicle's own estimate position, velocity and bias are reset, and their
             cross-covariances zeroed
@@ -18,6 +18,7 @@ import math
 from typing import NamedTuple
 
 from companion.estimation.adaptation import NOISE_FIRST, adapt_noise
+from companion.estimation.clamps import clamp
 from companion.estimation.kalman import (
     Belief,
     Innovation,
@@ -26,7 +27,8 @@ from companion.estimation.kalman import (
     reset_disturbance,
     reset_position_velocity,
 )
-from companion.estimation.kalman_step import DOWN, DRAG, DRAG_Q, EAST, GUST, NORTH, THRUST_SCALE, THRUST_SCALE_Q
+from companion.estimation.kalman_step import DRAG_Q, THRUST_SCALE, THRUST_SCALE_Q
+from companion.estimation.motor_lag import TOLD, MotorLag, update_motor_lag
 from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.predictor import ForceModel
 from companion.estimation.restraint import is_restrained, unexplained_velocity
@@ -39,27 +41,11 @@ from companion.estimation.scale_change import (
     update_scale_change,
 )
 from companion.estimation.translation import acceleration
-from companion.frames import Matrix3, Vec3, clamped
+from companion.frames import Matrix3, Vec3
 
 FREEZE_TIME = 0.4
 """s without learning of thrust scale and drag after anything the model does not know. Flights on PX4's simulated
 quadrotor: a saturated capture spoiled them for 12 s without."""
-THRUST_SCALE_RANGE = (0.45, 2.2)
-"""Ratio of thrust made to thrust asked for. Engineering choice: hover thrusts of half and twice the one of the
-vehicle file."""
-DRAG_RANGE = (0.0, 2.5)
-"""1/s. Engineering choice: PX4's simulated quadrotor, which is draggy, has 1.0."""
-DISTURBANCE_DEVIATION_MAX = 2.0
-"""m/s^2, the largest ||d - LPF(d)||. Simulated: held for 4 s and let go, a vehicle then leaps 0.13 m; with 4 m/s^2
-0.28 m."""
-INITIAL_DEVIATION_MAX = 8.0
-"""m/s^2, the same at first, when the disturbance may be anywhere a wind could put it. Engineering choice."""
-INITIAL_PHASE = 4.0
-"""s in which the clamp closes from its initial to its usual size. Engineering choice."""
-DISTURBANCE_LPF_TIME = 5.0
-"""s, time constant of LPF(d). Engineering choice: longer than a gust, shorter than a change of the weather."""
-INITIAL_DISTURBANCE_LPF_TIME = 0.5
-"""s, the same in the initial phase. Engineering choice."""
 THRUST_SCALE_STD = 0.2
 """Ratio: standard deviation of the thrust scale before a flight. Engineering choice: battery and payload of a usual
 day."""
@@ -99,6 +85,7 @@ class EstimatorState(NamedTuple):
     ``disturbance_saturated``: whether the clamp acts. ``unexplained_velocity_n``: m/s that a vehicle that stands still
     should have come to by the forces on it. ``change``: what speaks for a change of the thrust scale. ``past``: the
     steps of the last MEMORY that led here, none since it went through them again or something was reset.
+    ``motor_lag``: of the thrust.
     """
 
     belief: Belief
@@ -110,6 +97,7 @@ class EstimatorState(NamedTuple):
     unexplained_velocity_n: Vec3 = (0.0, 0.0, 0.0)
     change: ScaleChange = STEADY
     past: tuple[PastStep, ...] = ()
+    motor_lag: MotorLag = TOLD
 
     @property
     def restrained(self) -> bool:
@@ -128,8 +116,9 @@ class Measurement(NamedTuple):
     """What the vehicle's estimate says, ``dt`` s after the last time.
 
     ``specific_thrust_n``: m/s^2, the mean commanded thrust over mass since then, lagged by the motors, along the thrust
-    axis. ``p_n``: m. ``v_n``: m/s. ``limited``: the last command met a limit. ``jumped``: the vehicle says that its
-    estimate was reset. ``moving``: it was told to fly somewhere.
+    axis; ``thrust_by_lag_n``: m/s^3, what that would be more, over s that the motors' lag is more. ``p_n``: m. ``v_n``:
+    m/s. ``limited``: the last command met a limit. ``jumped``: the vehicle says that its estimate was reset.
+    ``moving``: it was told to fly somewhere.
     """
 
     dt: float
@@ -139,6 +128,7 @@ class Measurement(NamedTuple):
     limited: bool = False
     jumped: bool = False
     moving: bool = False
+    thrust_by_lag_n: Vec3 = ZERO
 
 
 class PastStep(NamedTuple):
@@ -149,14 +139,15 @@ class PastStep(NamedTuple):
 
 
 def initial_estimator_state(
-    p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: Prior, noise: NoiseLevels = NOISE_FIRST
-) -> EstimatorState:
+    p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: Prior, noise: NoiseLevels = NOISE_FIRST,
+    motor_lag: MotorLag = TOLD,
+) -> EstimatorState:  # fmt: skip
     """Before the first step. A vehicle that hovers leans into the wind, so that the lean says what the wind does."""
     disturbance_n: Vec3 = (0.0, 0.0, 0.0)
     if math.hypot(*v_n) < HOVER_SPEED_MAX and r_nb[8] > 0.5:
         disturbance_n = (gravity * r_nb[2] / r_nb[8], gravity * r_nb[5] / r_nb[8], 0.0)
     belief = initial_belief(p_n, v_n, disturbance_n, prior.thrust_scale, prior.drag, noise)
-    return EstimatorState(belief, noise, disturbance_n)
+    return EstimatorState(belief, noise, disturbance_n, motor_lag=motor_lag)
 
 
 def predict_measurement(belief: Belief, measurement: Measurement, forces: ForceModel) -> tuple[Vec3, Vec3]:
@@ -203,12 +194,13 @@ def _updated(
     known: EstimatorState, measurement: Measurement, gravity: float, noise_of_q: tuple[float, float]
 ) -> EstimatorState:
     """``known`` after another measurement. ``noise_of_q``: 1/s, 1/s^3, process noise of thrust scale and drag."""
-    dt, specific_thrust_n, p_n, v_n, limited, jumped, moving = measurement
+    dt, specific_thrust_n, p_n, v_n, limited, jumped, moving, thrust_by_lag_n = measurement
     freeze_left = FREEZE_TIME if limited else max(0.0, known.freeze_left - dt)
     learning = freeze_left == 0.0
     belief, innovation = predict_and_update(
-        known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning, *noise_of_q
-    )
+        known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning, *noise_of_q,
+        thrust_by_lag_n,
+    )  # fmt: skip
     flight_time = known.flight_time + dt
     unexplained_velocity_n = ZERO
     if moving:
@@ -225,7 +217,7 @@ def _updated(
         change = update_scale_change(known.change, known.belief, belief, noise_of_q, dt)
     else:
         change = fade_scale_change(known.change, dt)
-    belief, disturbance_lpf_n, disturbance_saturated = _limit(belief, known.disturbance_lpf_n, dt, flight_time)
+    belief, disturbance_lpf_n, disturbance_saturated = clamp(belief, known.disturbance_lpf_n, dt, flight_time)
     noise = adapt_noise(
         known.noise, belief, innovation, dt,
         # not frozen: commands that noise drives into their limits would keep it from being found
@@ -242,6 +234,7 @@ def _updated(
         unexplained_velocity_n,
         change,
         _lengthened(known, measurement, flight_time),
+        update_motor_lag(known.motor_lag, innovation, dt) if learning and known.converged else known.motor_lag,
     )
 
 
@@ -260,7 +253,7 @@ def _lengthened(known: EstimatorState, measurement: Measurement, flight_time: fl
 
 def _is_jump(innovation: Innovation) -> bool:
     """Whether the innovation is that of a jump of the vehicle's own estimate."""
-    residual, variance = innovation
+    residual, variance, _ = innovation
     x, y, z, u, v, w = residual
     if _are_near((x, y, z), ZERO, JUMP_POSITION) and _are_near((u, v, w), ZERO, JUMP_VELOCITY):
         return False
@@ -268,33 +261,3 @@ def _is_jump(innovation: Innovation) -> bool:
     return any(
         abs(r) > limit and r * r > JUMP_SIGMAS**2 * v for r, v, limit in zip(residual, variance, most, strict=True)
     )
-
-
-def _limit(belief: Belief, disturbance_lpf_n: Vec3, dt: float, flight_time: float) -> tuple[Belief, Vec3, bool]:
-    """The clamps: ||d - LPF(d)||, scale, drag. Gives the belief, LPF(d), and whether the first one acts."""
-    dx, dy, dz = belief.disturbance_n
-    sx, sy, sz = disturbance_lpf_n
-    ox, oy, oz = dx - sx, dy - sy, dz - sz
-    off = math.sqrt(ox * ox + oy * oy + oz * oz)
-    progress = flight_time / INITIAL_PHASE
-    early = progress < 1.0
-    radius = (
-        INITIAL_DEVIATION_MAX + (DISTURBANCE_DEVIATION_MAX - INITIAL_DEVIATION_MAX) * progress
-        if early
-        else DISTURBANCE_DEVIATION_MAX
-    )
-    x, disturbance_saturated = belief.x, off > radius
-    if disturbance_saturated:
-        shrink = radius / off
-        moved = list(x)
-        for axis, beyond in ((NORTH, ox), (EAST, oy), (DOWN, oz)):
-            moved[axis + GUST] -= beyond * (1.0 - shrink)
-        x = tuple(moved)
-    else:
-        k = min(1.0, dt / (INITIAL_DISTURBANCE_LPF_TIME if early else DISTURBANCE_LPF_TIME))
-        disturbance_lpf_n = (sx + k * ox, sy + k * oy, sz + k * oz)
-    scale, drag = clamped(x[THRUST_SCALE], *THRUST_SCALE_RANGE), clamped(x[DRAG], *DRAG_RANGE)
-    if scale != x[THRUST_SCALE] or drag != x[DRAG]:
-        x = (*x[:THRUST_SCALE], scale, drag)
-    limited = belief if x is belief.x else belief._replace(x=x)
-    return limited, disturbance_lpf_n, disturbance_saturated

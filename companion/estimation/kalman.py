@@ -75,12 +75,13 @@ stationary deviation."""
 class Belief(NamedTuple):
     """``x``: (P, V, U, B, D, W, E) of each axis, k, c. Its covariance in three parts (see ``kalman_step``): ``S``,
     of each axis given k and c, an upper triangle row by row; ``G``, each axis over k and c, row by row; ``T``,
-    of k and c."""
+    of k and c. ``by_lag``: what x would be more, over seconds that the motors' lag is more."""
 
     x: tuple[float, ...]
     S: tuple[float, ...]
     G: tuple[float, ...]
     T: tuple[float, float, float]
+    by_lag: tuple[float, ...] = (0.0,) * SIZE
 
     @property
     def p_n(self) -> Vec3:
@@ -168,10 +169,11 @@ def variance_of(index: int, S: Sequence[Scalar], G: Sequence[Scalar], T: Sequenc
 
 class Innovation(NamedTuple):
     """``residual``: measured minus predicted position (m) and velocity (m/s) of each axis, one after the other.
-    ``variance``: as predicted."""
+    ``variance``: as predicted. ``by_lag``: what the residual would be more, over s of lag."""
 
     residual: tuple[float, ...]
     variance: tuple[float, ...]
+    by_lag: tuple[float, ...]
 
 
 def initial_belief(
@@ -197,17 +199,18 @@ def reset_position_velocity(belief: Belief, p_n: Vec3, v_n: Vec3, noise: NoiseLe
     """``belief`` with position and velocity reset to what is reported (m, m/s), their errors to none, and their
     cross-covariances with all else zeroed, as after a jump of the vehicle's own estimate; what is known of the forces
     stays."""
-    x, S, G = list(belief.x), list(belief.S), list(belief.G)
+    x, S, G, by_lag = list(belief.x), list(belief.S), list(belief.G), list(belief.by_lag)
     for axis in range(AXES):
         at, first = PER_AXIS * axis, len(UPPER) * axis
         u, b = noise.wander[axis], noise.velocity_error[axis]
         x[at : at + 4] = p_n[axis], v_n[axis], 0.0, 0.0
+        by_lag[at : at + 4] = (0.0,) * 4
         G[2 * at : 2 * (at + 4)] = (0.0,) * 8
         for moved, variance in enumerate((PRIOR_POSITION_STD**2, b + noise.velocity, u, b)):
             for other in range(PER_AXIS):
                 S[first + AT[min(moved, other), max(moved, other)]] = variance if other == moved else 0.0
         S[first + AT[VELOCITY, VELOCITY_ERROR]] = -b
-    return Belief(tuple(x), tuple(S), tuple(G), belief.T)
+    return Belief(tuple(x), tuple(S), tuple(G), belief.T, tuple(by_lag))
 
 
 def reset_disturbance(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3, noise: NoiseLevels) -> Belief:
@@ -223,16 +226,18 @@ def reset_disturbance(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3,
 def predict_and_update(
     belief: Belief, dt: float, specific_thrust_n: Vec3, gravity: float, p_n: Vec3, v_n: Vec3,
     noise: NoiseLevels, learning: bool, thrust_scale_q: float = THRUST_SCALE_Q, drag_q: float = DRAG_Q,
+    thrust_by_lag_n: Vec3 = (0.0, 0.0, 0.0),
 ) -> tuple[Belief, Innovation]:  # fmt: skip
     """``belief`` ``dt`` s later, after a measurement of position (m) and velocity (m/s).
 
     ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes k and c. ``thrust_scale_q``: 1/s, ``drag_q``:
-    1/s^3, process noise of k and of c.
+    1/s^3, process noise of k and of c. ``thrust_by_lag_n``: dF/dL, m/s^3.
     """
     told = step_of(learning, machine_code.in_use)(
         dt, *specific_thrust_n, gravity, *p_n, *v_n, noise.position, noise.velocity, *noise.wander,
         *noise.velocity_error, *noise.gust, *noise.disturbance_q, noise.heading_error, noise.tilt_error,
-        thrust_scale_q, drag_q, *belief.x, *belief.S, *belief.G, *belief.T,
+        thrust_scale_q, drag_q, *belief.x, *belief.S, *belief.G, *belief.T, *thrust_by_lag_n, *belief.by_lag,
     )  # fmt: skip
     x, S, G, T = told[:SIZE], told[SIZE:G_AT], told[G_AT:T_AT], told[T_AT : T_AT + 3]
-    return Belief(x, S, G, T), Innovation(told[T_AT + 3 : -6], told[-6:])  # type: ignore[arg-type]
+    by_lag = told[T_AT + 3 : T_AT + 3 + SIZE]
+    return Belief(x, S, G, T, by_lag), Innovation(told[-18:-12], told[-12:-6], told[-6:])  # type: ignore[arg-type]

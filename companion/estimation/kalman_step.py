@@ -11,6 +11,9 @@ and of an axis as a whole it is S + G T G^T, between two axes G_i T G_j^T, with 
 by that axis alone; what it says of q moves the others through their G, once, at the end of the step. That is a third of
 the arithmetic of the whole matrix, and the same but for the noise of q: it loosens what an axis knows of q, which is
 exact here, and with it (by under a thousandth in a step) what two axes have in common through q.
+
+By the way it says how the state and the innovations go with the motors' lag L, which is not in it (see ``motor_lag``):
+y = dx/dL goes through the same step, driven by dF/dL in the place of what is measured.
 """
 
 from __future__ import annotations
@@ -43,7 +46,6 @@ UPPER = tuple((i, j) for i in range(PER_AXIS) for j in range(i, PER_AXIS))
 AT = {pair: index for index, pair in enumerate(UPPER)}
 DIAGONAL = tuple(len(UPPER) * axis + AT[i, i] for axis in range(AXES) for i in range(PER_AXIS))
 """Where the variance of each state, given q, stands in S."""
-
 WANDER_TIME = 0.5
 """s, time constant of U. Spectrum of PX4's position error on a recorded circle, sensors shaking: that of its derivative
 is flat to 0.3 Hz and falls from there."""
@@ -69,26 +71,28 @@ POSITION_R_MIN = 3e-4**2
 POSITION_Q_GAIN = 24.0
 """1/s. A position that is noisier than that also wanders step by step: so many times the excess of its variance a
 second is added to its process noise. Sweep over the worlds of configs/worlds."""
-
 Rows = dict[int, list[tuple[int, Scalar]]]
-"""Rows of an axis's transition that are not those of the identity: state -> (state, factor)."""
+"""Rows of an axis's transition that are not the identity's: state -> (state, factor)."""
 Matrix = list[list[Scalar]]
+Moved = tuple[list[Scalar], list[Scalar]]
+"""What k and c have moved by in a step, and that over L."""
+Seen = tuple[Scalar, Scalar, Scalar]
+"""Innovation, its variance, and how it goes with the lag."""
 
 
 class _Axis(NamedTuple):
-    """One axis in the middle of a step: its state, S and G. Changed in place."""
+    """One axis in the middle of a step: its state, S, G, y = dx/dL. Changed in place."""
 
     x: list[Scalar]
     S: Matrix
     G: Matrix
+    y: list[Scalar]
 
 
 def _record_step(name: str, *, learning: bool) -> Function:
     """``learning``: False freezes k and c; they move neither their axes nor their own covariance (Schmidt)."""
     tape = Tape()
-    (dt,) = tape.inputs("dt")
-    F = tape.inputs("fx", "fy", "fz")
-    (g,) = tape.inputs("g")
+    dt, *F, g = tape.inputs("dt", "fx", "fy", "fz", "g")
     measured = tape.inputs("xm", "ym", "zm", "vxm", "vym", "vzm")
     noise_p, noise_v = tape.inputs("rp", "rv")
     levels = [tape.inputs(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
@@ -100,6 +104,9 @@ def _record_step(name: str, *, learning: bool) -> Function:
     upper = [tape.inputs(*(f"s{axis}{i}{j}" for i, j in UPPER)) for axis in range(AXES)]
     slopes = [tape.inputs(*(f"g{axis}{i}{k}" for i in range(PER_AXIS) for k in "kc")) for axis in range(AXES)]
     tkk, tkc, tcc = tape.inputs("tkk", "tkc", "tcc")
+    F_by_lag = tape.inputs("flx", "fly", "flz")
+    by_lag = [tape.inputs(*(f"y{axis}{i}" for i in range(PER_AXIS))) for axis in range(AXES)]
+    scale_by_lag, c_by_lag = tape.inputs("yk", "yc")
     T: Matrix = [[tkk, tkc], [tkc, tcc]]
     Q = (scale_q * dt, drag_q * dt)
     across: tuple[Scalar, ...] = (F[1] * -1.0, F[0], 0.0)  # e3 x F, by which E turns it
@@ -111,7 +118,7 @@ def _record_step(name: str, *, learning: bool) -> Function:
     # what a tilt error makes of a thrust that leans is vertical
     lifting = (F[0] * F[0] + F[1] * F[1]) * tilt_error * (2.0 / DISTURBANCE_TIME[AXES - 1])
     axes = []
-    for axis, (x, S, G) in enumerate(zip(states, upper, slopes, strict=True)):
+    for axis, (x, S, G, y) in enumerate(zip(states, upper, slopes, by_lag, strict=True)):
         u, b, w = (level[axis] for level in levels)
         noises = (
             POSITION_Q + (noise_p - POSITION_R_MIN) * POSITION_Q_GAIN, VELOCITY_Q, u * (2.0 / WANDER_TIME),
@@ -119,23 +126,28 @@ def _record_step(name: str, *, learning: bool) -> Function:
             w * (2.0 / GUST_TIME), heading_error * (2.0 / HEADING_ERROR_TIME),
         )  # fmt: skip
         rows, by_q = _transition(axis, dt, c, scale * across[axis]), (f[axis], x[VELOCITY])
-        known = _predict(_as_axis(x, S, G), rows, dt, accelerations[axis], by_q)
+        a_by_lag = (by_q[0] * scale_by_lag + by_q[1] * c_by_lag + scale * F_by_lag[axis]) * -1.0
+        known = _predict(_as_axis(x, S, G, y), rows, dt, (accelerations[axis], a_by_lag), by_q)
         for i, noise in enumerate(noises):
             known.S[i][i] = known.S[i][i] + noise * dt
         axes.append(_loosen(known, T, Q) if learning else known)
     if learning:
         T = [[tkk + Q[0], tkc], [tkc, tcc + Q[1]]]
-    moved: list[Scalar] = [0.0, 0.0]
+    moved: Moved = [0.0, 0.0], [0.0, 0.0]
     update = _update if learning else _update_frozen
     positions = [update(known, T, moved, (POSITION,), measured[i], noise_p) for i, known in enumerate(axes)]
     both = (VELOCITY, VELOCITY_ERROR)
     velocities = [update(known, T, moved, both, measured[AXES + i], noise_v) for i, known in enumerate(axes)]
     seen = [*positions, *velocities]
+    (by_k, by_c), (y_by_k, y_by_c) = moved
     return machine_code.function_of(tape, name, [
-        *(value + (k * moved[0] + d * moved[1]) for x, _, G in axes for value, (k, d) in zip(x, G, strict=True)),
-        scale + moved[0], c + moved[1],
-        *(S[i][j] for _, S, _ in axes for i, j in UPPER), *(slope for _, _, G in axes for row in G for slope in row),
-        T[0][0], T[0][1], T[1][1], *(residual for residual, _ in seen), *(variance for _, variance in seen),
+        *(value + (k * by_k + d * by_c) for known in axes for value, (k, d) in zip(known.x, known.G, strict=True)),
+        scale + by_k, c + by_c,
+        *(known.S[i][j] for known in axes for i, j in UPPER),
+        *(slope for known in axes for row in known.G for slope in row), T[0][0], T[0][1], T[1][1],
+        *(value + (k * y_by_k + d * y_by_c) for known in axes for value, (k, d) in zip(known.y, known.G, strict=True)),
+        scale_by_lag + y_by_k, c_by_lag + y_by_c,
+        *(each[kind] for kind in range(3) for each in seen),
     ])  # fmt: skip
 
 
@@ -145,9 +157,9 @@ def _each(states: Sequence[Sequence[Scalar]], kind: int) -> Scalar3:
     return x, y, z
 
 
-def _as_axis(x: Sequence[Scalar], upper: Sequence[Scalar], slopes: Sequence[Scalar]) -> _Axis:
+def _as_axis(x: Sequence[Scalar], upper: Sequence[Scalar], slopes: Sequence[Scalar], y: Sequence[Scalar]) -> _Axis:
     S = [[upper[AT[min(i, j), max(i, j)]] for j in range(PER_AXIS)] for i in range(PER_AXIS)]
-    return _Axis(list(x), S, [list(slopes[2 * i : 2 * i + 2]) for i in range(PER_AXIS)])
+    return _Axis(list(x), S, [list(slopes[2 * i : 2 * i + 2]) for i in range(PER_AXIS)], list(y))
 
 
 def _transition(axis: int, dt: Scalar, c: Scalar, across: Scalar) -> Rows:
@@ -166,10 +178,13 @@ def _transition(axis: int, dt: Scalar, c: Scalar, across: Scalar) -> Rows:
     return rows
 
 
-def _predict(known: _Axis, rows: Rows, dt: Scalar, a: Scalar, by_q: tuple[Scalar, Scalar]) -> _Axis:
-    """``dt`` s later: the state, P to second order; A S A^T; A G + B. ``a``: m/s^2; ``by_q``: what k and c take
-    from it, each over its unit."""
-    x, S, G = known
+def _predict(
+    known: _Axis, rows: Rows, dt: Scalar, accelerations: tuple[Scalar, Scalar], by_q: tuple[Scalar, Scalar]
+) -> _Axis:
+    """``dt`` s later: the state, P to second order; A S A^T; A G + B; A y + b. ``accelerations``: m/s^2, and what they
+    are more for a lag of more, m/s^3; ``by_q``: what k and c take from the first, each over its unit."""
+    x, S, G, y = known
+    a, a_by_lag = accelerations
     later = [x[i] * rows[i][0][1] if i in rows else x[i] for i in range(PER_AXIS)]
     later[POSITION] = x[POSITION] + dt * (x[VELOCITY] + x[WANDER]) + (dt * dt * 0.5) * a
     later[VELOCITY] = x[VELOCITY] + dt * a
@@ -179,7 +194,9 @@ def _predict(known: _Axis, rows: Rows, dt: Scalar, a: Scalar, by_q: tuple[Scalar
         spread[i][j] = spread[j][i] = _combined(rows, j, half[i])
     slopes = [[_combined(rows, i, [row[k] for row in G]) for k in (0, 1)] for i in range(PER_AXIS)]
     slopes[VELOCITY] = [slope - dt * by for slope, by in zip(slopes[VELOCITY], by_q, strict=True)]
-    return _Axis(later, spread, slopes)
+    by_lag = [_combined(rows, i, y) for i in range(PER_AXIS)]
+    by_lag[VELOCITY] = by_lag[VELOCITY] + dt * a_by_lag
+    return _Axis(later, spread, slopes, by_lag)
 
 
 def _combined(rows: Rows, i: int, of: list[Scalar]) -> Scalar:
@@ -196,7 +213,7 @@ def _loosen(known: _Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> _Axis:
     """Once q has moved by noise of the variances ``Q``: what of the axis went with q before goes less with it now,
 
     G' = G M,  S' = S + G M Q G^T,  M = T (T + Q)^-1, so that S + G T G^T and G T stay what they were."""
-    x, S, G = known
+    x, S, G, y = known
     (tkk, tkc), (_, tcc) = T
     inverse = 1.0 / ((tkk + Q[0]) * (tcc + Q[1]) - tkc * tkc)
     M = (
@@ -206,53 +223,54 @@ def _loosen(known: _Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> _Axis:
     slopes = [[k * M[0][0] + c * M[1][0], k * M[0][1] + c * M[1][1]] for k, c in G]
     for i, j in UPPER:
         S[i][j] = S[j][i] = S[i][j] + (slopes[i][0] * Q[0] * G[j][0] + slopes[i][1] * Q[1] * G[j][1])
-    return _Axis(x, S, slopes)
+    return _Axis(x, S, slopes, y)
 
 
-def _update(
-    known: _Axis, T: Matrix, moved: list[Scalar], states: tuple[int, ...], measured: Scalar, noise: Scalar
-) -> tuple[Scalar, Scalar]:
+def _update(known: _Axis, T: Matrix, moved: Moved, states: tuple[int, ...], measured: Scalar, noise: Scalar) -> Seen:
     """Innovation and variance of a measurement of the sum of ``states``; the axis, ``T`` and what q has ``moved`` by in
     this step are changed in place. The axis learns what it does given q, and q the rest."""
-    x, S, G = known
+    x, S, G, y = known
     cross, slope, variance = _seen(known, states, noise)
-    apart = measured - _sum(x, states)
+    apart, apart_by_lag = measured - _sum(x, states), _sum(y, states) * -1.0
     inverse = 1.0 / variance
     gains = [value * inverse for value in cross]
     for i, j in UPPER:
         S[i][j] = S[j][i] = S[i][j] - gains[i] * cross[j]
     for i, gain in enumerate(gains):
-        x[i] = x[i] + gain * apart
+        x[i], y[i] = x[i] + gain * apart, y[i] + gain * apart_by_lag
         G[i] = [G[i][0] - gain * slope[0], G[i][1] - gain * slope[1]]
     by_q = [T[0][0] * slope[0] + T[0][1] * slope[1], T[1][0] * slope[0] + T[1][1] * slope[1]]
     whole = variance + (slope[0] * by_q[0] + slope[1] * by_q[1])
-    residual = apart - (slope[0] * moved[0] + slope[1] * moved[1])
+    residual, by_lag = (
+        value - (slope[0] * by[0] + slope[1] * by[1]) for value, by in zip((apart, apart_by_lag), moved, strict=True)
+    )
     inverse = 1.0 / whole
     gain_k, gain_c = by_q[0] * inverse, by_q[1] * inverse
-    moved[:] = moved[0] + gain_k * residual, moved[1] + gain_c * residual
+    for by, value in zip(moved, (residual, by_lag), strict=True):
+        by[:] = by[0] + gain_k * value, by[1] + gain_c * value
     crossed = T[0][1] - gain_k * by_q[1]
     T[:] = [T[0][0] - gain_k * by_q[0], crossed], [crossed, T[1][1] - gain_c * by_q[1]]
-    return residual, whole
+    return residual, whole, by_lag
 
 
 def _update_frozen(
-    known: _Axis, T: Matrix, moved: list[Scalar], states: tuple[int, ...], measured: Scalar, noise: Scalar
-) -> tuple[Scalar, Scalar]:
+    known: _Axis, T: Matrix, moved: Moved, states: tuple[int, ...], measured: Scalar, noise: Scalar
+) -> Seen:
     """The same where q stays as it is, though not known: Joseph's form, with the gain of the axis as a whole."""
-    x, S, G = known
+    x, S, G, y = known
     cross, slope, variance = _seen(known, states, noise)
     by_q = [T[0][0] * slope[0] + T[0][1] * slope[1], T[1][0] * slope[0] + T[1][1] * slope[1]]
     whole = variance + (slope[0] * by_q[0] + slope[1] * by_q[1])
-    residual = measured - _sum(x, states)
+    residual, by_lag = measured - _sum(x, states), _sum(y, states) * -1.0
     inverse = 1.0 / whole
     gains = [(value + (k * by_q[0] + c * by_q[1])) * inverse for value, (k, c) in zip(cross, G, strict=True)]
     half = [value - gain * (variance * 0.5) for value, gain in zip(cross, gains, strict=True)]
     for i, j in UPPER:
         S[i][j] = S[j][i] = S[i][j] - (gains[i] * half[j] + half[i] * gains[j])
     for i, gain in enumerate(gains):
-        x[i] = x[i] + gain * residual
+        x[i], y[i] = x[i] + gain * residual, y[i] + gain * by_lag
         G[i] = [G[i][0] - gain * slope[0], G[i][1] - gain * slope[1]]
-    return residual, whole
+    return residual, whole, by_lag
 
 
 def _seen(known: _Axis, states: tuple[int, ...], noise: Scalar) -> tuple[list[Scalar], tuple[Scalar, Scalar], Scalar]:
@@ -271,8 +289,8 @@ def _sum(values: list[Scalar], states: tuple[int, ...]) -> Scalar:
 
 @lru_cache(maxsize=4)
 def step_of(learning: bool, in_machine_code: bool) -> Function:
-    """(dt, F, g, measurement, noise, state, S, G, T) -> (state, S, G, T, innovations, variances). ``learning``: False
-    freezes k and c. ``in_machine_code``: whether that is in use."""
+    """(dt, F, g, measurement, noise, state, S, G, T, dF/dL, y) -> (state, S, G, T, y, innovations, variances, how they
+    go with L). ``learning``: False freezes k and c. ``in_machine_code``: whether that is in use."""
     return _record_step("kalman" if learning else "kalman_frozen", learning=learning)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.estimation.estimator import DRAG_RANGE, DRAG_STD, THRUST_SCALE_STD, Prior
+from companion.estimation.clamps import DRAG_RANGE
+from companion.estimation.estimator import DRAG_STD, THRUST_SCALE_STD, Prior
 
 HOVER_RANGE = (0.1, 0.9)
 """Normalised hover thrusts that a vehicle can have. PX4 takes MPC_THR_HOVER from 0.1 to 0.8."""

@@ -24,6 +24,7 @@ from companion.estimation.estimator import (
     update_estimate,
 )
 from companion.estimation.kalman_step import DRAG, THRUST_SCALE
+from companion.estimation.motor_lag import TOLD, MotorLag
 from companion.estimation.predictor import ForceModel
 from companion.frames import Vec3
 from companion.vehicle import VehicleState
@@ -50,9 +51,9 @@ class MotionEstimate(NamedTuple):
         return self.forces.gravity
 
 
-def begin_motion(state: VehicleState, prior: Prior, gravity: float) -> MotionEstimate:
+def begin_motion(state: VehicleState, prior: Prior, gravity: float, motor_lag: MotorLag = TOLD) -> MotionEstimate:
     """Hovering, as far as anybody knows."""
-    estimator = initial_estimator_state(state.p_n, state.v_n, state.r_nb, gravity, prior)
+    estimator = initial_estimator_state(state.p_n, state.v_n, state.r_nb, gravity, prior, motor_lag=motor_lag)
     return motion_of(state, estimator, gravity, ZERO)
 
 
@@ -65,17 +66,19 @@ def known_prior(estimate: MotionEstimate) -> Prior:
 
 
 def advance_motion(
-    estimate: MotionEstimate, specific_thrust: float, state: VehicleState, limited: bool, moving: bool
-) -> tuple[MotionEstimate, bool]:
+    estimate: MotionEstimate, specific_thrust: float, state: VehicleState, limited: bool, moving: bool,
+    thrust_by_lag: float = 0.0,
+) -> tuple[MotionEstimate, bool]:  # fmt: skip
     """``estimate`` at a new state, and whether the filter is to be updated at once.
 
     ``specific_thrust``: m/s^2, the mean commanded thrust over mass since the last state, lagged by the motors.
-    ``limited``: the last command met a limit; ``moving``: it was told to fly somewhere.
+    ``limited``: the last command met a limit; ``moving``: it was told to fly somewhere. ``thrust_by_lag``: m/s^3, what
+    ``specific_thrust`` would be more, over s that the motors' lag is more.
     """
     before = estimate.state
     # the thrust axis, a mean of both ends
     (ox, oy, oz), (x, y, z) = before.z_axis_n, state.z_axis_n
-    half = 0.5 * specific_thrust
+    half, by_lag = 0.5 * specific_thrust, 0.5 * thrust_by_lag
     specific_thrust_n = (half * (ox + x), half * (oy + y), half * (oz + z))
     measurement = Measurement(
         state.t_boot - before.t_boot,
@@ -85,6 +88,7 @@ def advance_motion(
         limited,
         state.resets != before.resets,
         moving,
+        (by_lag * (ox + x), by_lag * (oy + y), by_lag * (oz + z)),
     )
     estimator, forces = estimate.estimator, estimate.forces
     if estimate.pending is not None:
@@ -98,16 +102,22 @@ def _together(first: Measurement, last: Measurement) -> Measurement:
     """Two measurements, one after the other, as one over the time of both: the mean thrust, the last state."""
     dt = first.dt + last.dt
     share = first.dt / dt
-    (fx, fy, fz), (x, y, z) = first.specific_thrust_n, last.specific_thrust_n
     return Measurement(
         dt,
-        (x + share * (fx - x), y + share * (fy - y), z + share * (fz - z)),
+        _between(last.specific_thrust_n, first.specific_thrust_n, share),
         last.p_n,
         last.v_n,
         first.limited or last.limited,
         first.jumped or last.jumped,
         last.moving,
+        _between(last.thrust_by_lag_n, first.thrust_by_lag_n, share),
     )
+
+
+def _between(a: Vec3, b: Vec3, share: float) -> Vec3:
+    """``a``, and a ``share`` of what ``b`` is more."""
+    (x, y, z), (fx, fy, fz) = a, b
+    return (x + share * (fx - x), y + share * (fy - y), z + share * (fz - z))
 
 
 def learn_motion(estimate: MotionEstimate) -> MotionEstimate:

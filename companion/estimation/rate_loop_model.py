@@ -148,6 +148,12 @@ def thrust_transition(motor_lag: float, h: float) -> tuple[float, float]:
     return e, (1.0 - e) * motor_lag / h
 
 
+def steps_of(begin: float, end: float) -> tuple[int, float]:
+    """The number of steps of STEP at most from ``begin`` to ``end`` (s), and their length (s)."""
+    steps = max(1, math.ceil((end - begin) / STEP - 1e-9))
+    return steps, round((end - begin) / steps, 6)
+
+
 def propagate(
     rate_loop_state: RateLoopState, rate_loop: RateLoop, commands: tuple[TimedCommand, ...], begin: float, end: float
 ) -> tuple[RateLoopState, float]:
@@ -155,8 +161,7 @@ def propagate(
 
     ``commands``: oldest first; the first one holds from the beginning, the last one on.
     """
-    steps = max(1, math.ceil((end - begin) / STEP - 1e-9))
-    h = round((end - begin) / steps, 6)
+    steps, h = steps_of(begin, end)
     if h <= 0.0:
         return rate_loop_state, rate_loop_state.specific_thrust
     (roll_lag, pitch_lag), motor_lag = rate_loop.lags, rate_loop.motor_lag
@@ -192,8 +197,7 @@ def propagate_yaw(
 ) -> tuple[float, float]:
     """Yaw rate (rad/s) and its derivative (rad/s^2) alone, as ``propagate`` has them."""
     r, rd, trim = rate_loop_state.w_b[2], rate_loop_state.w_dot_b[2], rate_loop_state.yaw_trim
-    steps = max(1, math.ceil((end - begin) / STEP - 1e-9))
-    h = round((end - begin) / steps, 6)
+    steps, h = steps_of(begin, end)
     if h <= 0.0:
         return r, rd
     turning = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)

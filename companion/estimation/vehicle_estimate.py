@@ -18,6 +18,7 @@ from companion.estimation.motion_estimate import (
     known_prior,
     learn_motion,
 )
+from companion.estimation.motor_lag import MotorLag, propagate_by_lag, told_motor_lag
 from companion.estimation.predictor import PredictedState, predict
 from companion.estimation.rate_loop_identification import (
     RateLoopEstimate,
@@ -52,7 +53,8 @@ class VehicleEstimate(NamedTuple):
 
     ``motion``: position, velocity, forces. ``rate_loop_state``: of the model. ``identification``: of the rate loop;
     ``yaw_loop``: of the yaw loop; ``rate_loop``: the figures that are used, rounded to a millisecond, yaw to ten, so
-    that the transitions that were worked out for them are found again.
+    that the transitions that were worked out for them are found again. ``thrust_by_lag``: m/s^3, what the specific
+    thrust of ``rate_loop_state`` would be more, over s that the motors' lag is more.
     """
 
     motion: MotionEstimate
@@ -60,13 +62,16 @@ class VehicleEstimate(NamedTuple):
     identification: RateLoopEstimate
     yaw_loop: YawLoopEstimate
     rate_loop: RateLoop
+    thrust_by_lag: float = 0.0
 
 
 def begin_estimate(
-    state: VehicleState, prior: Prior, gravity: float, rate_loop: RateLoop, lag: float
-) -> VehicleEstimate:
-    """Hovering, as far as anybody knows. ``rate_loop``: as told; ``lag``: s, as last found."""
-    motion = begin_motion(state, prior, gravity)
+    state: VehicleState, prior: Prior, gravity: float, rate_loop: RateLoop, lag: float,
+    motor_lag: MotorLag | None = None,
+) -> VehicleEstimate:  # fmt: skip
+    """Hovering, as far as anybody knows. ``rate_loop``: as told; ``lag``: s, as last found; ``motor_lag``: as found
+    before."""
+    motion = begin_motion(state, prior, gravity, motor_lag or told_motor_lag(rate_loop.motor_lag))
     hovering = gravity / (max(state.r_nb[8], UPRIGHT_MIN) * motion.estimator.belief.thrust_scale)
     identification = initial_rate_loop_estimate(lag, state.w_b, rate_loop.lag)
     rate_loop_state = RateLoopState(state.w_b, (0.0, 0.0, 0.0), hovering)
@@ -78,7 +83,10 @@ def begin_estimate(
 def restart_estimate(estimate: VehicleEstimate, state: VehicleState) -> VehicleEstimate:
     """A beginning at ``state`` that keeps what was learned of the vehicle."""
     rate_loop = estimate.rate_loop
-    again = begin_estimate(state, known_prior(estimate.motion), estimate.motion.gravity, rate_loop, rate_loop.lag)
+    motion = estimate.motion
+    again = begin_estimate(
+        state, known_prior(motion), motion.gravity, rate_loop, rate_loop.lag, motion.estimator.motor_lag
+    )
     return again._replace(
         identification=reset(estimate.identification, state.w_b),
         yaw_loop=reset_yaw_loop(estimate.yaw_loop, state.w_b[2]),
@@ -94,8 +102,14 @@ def advance_estimate(
     before, now = estimate.motion.state.t_boot, state.t_boot
     rate_loop_state, thrust = propagate(estimate.rate_loop_state, estimate.rate_loop, commands, before, now)
     rate_loop_state = correct_with_gyro(rate_loop_state, state.w_b, now - before, estimate.rate_loop)
-    motion, at_once = advance_motion(estimate.motion, thrust, state, limited, moving)
-    estimate = VehicleEstimate(motion, rate_loop_state, estimate.identification, estimate.yaw_loop, estimate.rate_loop)
+    thrust_before, motor_lag = estimate.rate_loop_state.specific_thrust, estimate.rate_loop.motor_lag
+    thrust_by_lag, mean_by_lag = propagate_by_lag(
+        estimate.thrust_by_lag, thrust_before, motor_lag, commands, before, now
+    )
+    motion, at_once = advance_motion(estimate.motion, thrust, state, limited, moving, mean_by_lag)
+    estimate = VehicleEstimate(
+        motion, rate_loop_state, estimate.identification, estimate.yaw_loop, estimate.rate_loop, thrust_by_lag
+    )
     return learn_pending(estimate, commands) if at_once else estimate
 
 
@@ -106,7 +120,7 @@ def learn_pending(estimate: VehicleEstimate, commands: Commands) -> VehicleEstim
     if measurement is None:
         return estimate
     motion = learn_motion(estimate.motion)
-    rate_loop, motor_lag = estimate.rate_loop, estimate.rate_loop.motor_lag
+    rate_loop, motor_lag = estimate.rate_loop, round(motion.estimator.motor_lag.lag, 3)
     # what was clipped or restrained did not happen as it was commanded
     if measurement.limited or motion.estimator.restrained:
         found = reset(estimate.identification, state.w_b)
@@ -114,9 +128,10 @@ def learn_pending(estimate: VehicleEstimate, commands: Commands) -> VehicleEstim
     else:
         found = update_rate_loop_estimate(estimate.identification, motor_lag, commands, state.t_boot, state.w_b)
         yaw_loop = update_yaw_loop_estimate(estimate.yaw_loop, commands, state.t_boot, state.w_b[2])
-    if found.lags != estimate.identification.lags or yaw_loop.unknowns is not estimate.yaw_loop.unknowns:
+    same = found.lags == estimate.identification.lags and yaw_loop.unknowns is estimate.yaw_loop.unknowns
+    if not same or motor_lag != rate_loop.motor_lag:
         rate_loop = _rate_loop_of(found, motor_lag, yaw_loop)
-    return VehicleEstimate(motion, estimate.rate_loop_state, found, yaw_loop, rate_loop)
+    return VehicleEstimate(motion, estimate.rate_loop_state, found, yaw_loop, rate_loop, estimate.thrust_by_lag)
 
 
 def predict_vehicle(estimate: VehicleEstimate, commands: Commands, horizon: float) -> PredictedState:

@@ -29,6 +29,7 @@ def final_estimates(estimated: Columns) -> dict[str, Any] | None:
         "delay_s": float(estimated["delay"][-1]),
         "rate_loop_lag_s": _last(estimated, "rate_lag"),
         "yaw_loop_lag_s": _last(estimated, "yaw_lag"),
+        "motor_lag_s": _last(estimated, "motor_lag"),
         "path_pole_per_s": None if _last(estimated, "path_pole") is None else _poles(estimated["path_pole"]),
         "pace": {"min": float(np.min(pace)), "slowed_fraction": float(np.mean(pace < SLOWED))},
     }
@@ -51,6 +52,9 @@ def estimate_sentences(figures: dict[str, Any] | None, vehicle: Vehicle) -> list
     north, east, down = figures["disturbance_mps2"]
     lag = figures["rate_loop_lag_s"]  # none at motors and torques
     of_the_loop = "" if lag is None else f"rate loop lag {1e3 * lag:.0f} ms (file {1e3 * vehicle.rate_loop_lag:.0f}), "
+    motor_lag = figures["motor_lag_s"]
+    if motor_lag is not None:
+        of_the_loop += f"motor lag {1e3 * motor_lag:.0f} ms (file {1e3 * vehicle.motor_lag:.0f}), "
     words = [
         f"found in flight: thrust scale {figures['thrust_scale']:.3f}, drag {figures['drag_per_s']:.2f} 1/s "
         f"(file {vehicle.drag:.2f}), disturbance {math.hypot(north, east, down):.2f} m/s^2, "

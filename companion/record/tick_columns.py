@@ -82,6 +82,7 @@ LAW_COLUMNS = (
     Column("rate_lag", "f", "s, found: of the rate loop; NaN at motors and torques"),
     Column("yaw_lag", "f", "s, found: of the yaw rate loop"),
     Column("path_pole", "f", "1/s, of h1 and h2, where it was chosen and not written"),
+    Column("motor_lag", "f", "s, found: of the motors; NaN at motors and torques"),
     Column("latency", "f", "s from the arrival of the state to the return of the setpoint's send"),
 )
 

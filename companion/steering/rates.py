@@ -222,7 +222,7 @@ class RateSteering:
     ) -> LimitedThrust:
         """Limits, thrust: it answers sooner than the rates do."""
         # zeta is that of the horizon as this step begins; the command is held for the step, whose middle is meant
-        after_horizon = timing.hold - (timing.lag - self.rate_loop.motor_lag)
+        after_horizon = timing.hold - (timing.lag - memory.estimate.rate_loop.motor_lag)
         conversion = ThrustConversion(
             self.vehicle.mass, memory.estimate.motion.forces.thrust_scale, self.hover_thrust / capability.gravity
         )

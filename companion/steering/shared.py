@@ -13,6 +13,7 @@ import math
 from companion.estimation.kalman_step import DRAG, THRUST_SCALE
 from companion.estimation.learned import FLIGHT_TIME_MIN, Learned
 from companion.estimation.motion_estimate import MotionEstimate
+from companion.estimation.motor_lag import TOLD
 from companion.estimation.predictor import ForceModel
 from companion.estimation.rate_loop_identification import GAP_MAX as IDENTIFICATION_GAP_MAX
 from companion.law.flight import Command, Flying, Law
@@ -73,10 +74,11 @@ def estimates_of(
 ) -> Estimates:
     """For the record. ``delay``: s, the dead time. ``lag``: s, of the rate loop; NaN without one. ``yaw_lag``,
     ``path_pole``: see Estimates."""
-    belief = motion.estimator.belief
+    belief, motor_lag = motion.estimator.belief, motion.estimator.motor_lag
     return Estimates(
-        belief.thrust_scale, belief.drag, belief.disturbance_n, belief.bias_n, delay, lag, yaw_lag, path_pole
-    )
+        belief.thrust_scale, belief.drag, belief.disturbance_n, belief.bias_n, delay, lag, yaw_lag, path_pole,
+        math.nan if motor_lag == TOLD else motor_lag.lag,
+    )  # fmt: skip
 
 
 def learned_of(motion: MotionEstimate, hover_thrust: float, rate_lag: float) -> Learned | None:

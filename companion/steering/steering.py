@@ -43,6 +43,7 @@ class Estimates(NamedTuple):
     rate_lag: float  # s
     yaw_lag: float = math.nan  # s
     path_pole: float = math.nan  # 1/s, of h1 and h2, where it was chosen and not written
+    motor_lag: float = math.nan  # s, where it is looked for
 
 
 class Steered(NamedTuple):

@@ -131,7 +131,7 @@ def test_without_llvmlite_everything_stays_python(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize("learning", [True, False])
 def test_the_step_of_the_filter_is_the_same(learning: bool) -> None:
     rng = random.Random(1)
-    count = 29 + SIZE + AXES * len(UPPER) + 2 * AXES * PER_AXIS + 3
+    count = 29 + SIZE + AXES * len(UPPER) + 2 * AXES * PER_AXIS + 3 + AXES + SIZE
     for _ in range(200):
         given = [rng.uniform(-1.0, 1.0) for _ in range(count)]
         given[0] = 0.008

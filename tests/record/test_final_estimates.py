@@ -12,7 +12,7 @@ from companion.record.final_estimates import estimate_sentences, final_estimates
 
 def columns(pace: list[float], scale: float = 1.02) -> dict[str, np.ndarray]:
     names = {"thrust_scale": scale, "drag": 0.98, "push_north": 3.0, "push_east": 4.0, "push_down": 0.0, "delay": 0.012,
-             "rate_lag": 0.064}  # fmt: skip
+             "rate_lag": 0.064, "motor_lag": 0.047}  # fmt: skip
     columns = {name: np.full(len(pace), value) for name, value in names.items()}
     return {**columns, "pace": np.array(pace), "t": np.arange(len(pace), dtype=float)}
 
@@ -24,7 +24,7 @@ def test_figures_and_words() -> None:
     assert "thrust scale 1.020" in sentence
     assert "drag 0.98 1/s (file 1.00)" in sentence
     assert "disturbance 5.00" in sentence
-    assert "lag 64 ms (file 71)" in sentence
+    assert "rate loop lag 64 ms (file 71), motor lag 47 ms (file 50)" in sentence
 
 
 def test_a_speed_that_gave_way_is_said() -> None:

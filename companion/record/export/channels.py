@@ -153,6 +153,7 @@ def _estimates(rows: Table) -> Series:
         (Field("delay_s", "s", "from a state to its command's effect"), rows["delay"]),
         (Field("rate_loop_lag_s", "s", "of the rate loop"), rows["rate_lag"]),
         (Field("yaw_loop_lag_s", "s", "of the yaw rate loop"), rows["yaw_lag"]),
+        (Field("motor_lag_s", "s", "of the motors"), rows["motor_lag"]),
         (Field("path_pole_per_s", "1/s", "of the distance to the path, where chosen"), rows["path_pole"]),
     ])  # fmt: skip
 
