@@ -267,21 +267,22 @@ def test_late_steps_follow_at_twice_the_pace_and_not_in_a_burst() -> None:
 
 
 def test_speed_is_kept_and_never_exceeded() -> None:
-    took: list[float] = []
+    found: list[tuple[float, float, float]] = []
     for _ in range(3):
         client = Client("sih", endpoints=1)
         said: list[str] = []
         server = Server(client.bridge, [Endpoint(("127.0.0.1", 0), None)], speed=8.0, log=said.append)
         began = time.monotonic()
         server.run(lambda bridge=client.bridge: bridge.now >= 0.4)
-        took.append(time.monotonic() - began)
+        took = time.monotonic() - began
         server.close()
         timing = re.search(r"0.40 s: 0.40 s of plant time in (.*) s, (.*) times real time of 8 asked for", said[-1])
         assert timing is not None, said
-        assert float(timing[1]) == pytest.approx(took[-1], abs=0.02)
-        assert float(timing[2]) == pytest.approx(0.4 / took[-1], rel=0.2)  # what it was, not what was asked for
-    assert min(took) > 0.4 / 8.0 - 0.001
-    assert min(took) < 0.4 / 2.0
+        found.append((took, float(timing[1]), float(timing[2])))
+    took, seconds, times = min(found)  # the least of a busy machine
+    assert seconds == pytest.approx(took, abs=0.02)
+    assert times == pytest.approx(0.4 / took, rel=0.2)  # what it was, not what was asked for
+    assert 0.4 / 8.0 - 0.001 < took < 0.4 / 2.0
 
 
 def test_a_truth_file_says_what_was(tmp_path: Path) -> None:
