@@ -12,6 +12,7 @@ scale is low-passed with SCALE_TIME, because the estimator takes a motor's loss 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from companion.steering.steering import Steered
@@ -19,9 +20,11 @@ from companion.vehicle import VehicleState
 
 TIME = 0.08
 """s, time constant of both: a velocity that is 0.02 m/s rough makes 0.3 m/s^2 of it (engineering choice)."""
-ACTUATION = 0.06
-"""s until a command is thrust, without the link: rotors 0.05 (PX4's simulated quadrotor), and half a command's
-period."""
+HELD = 0.01
+"""s that a command is old on average when it acts, without the link and the motors: half a command's period and of the
+vehicle's. Engineering choice."""
+MOTOR_LAG = 0.05
+"""s, of the motors where it is not looked for: PX4's simulated quadrotor."""
 AIR_TIME = 3.0
 """s, time constant of the disturbance that counts as air: a failing motor shows long before. Engineering choice."""
 SCALE_TIME = 20.0
@@ -58,17 +61,18 @@ def update_thrust_response(
         return NO_RESPONSE
     (u, v, w), (a, b, c), (x, y, z) = old.v_n, new.v_n, new.z_axis_n
     found, begins = steered.estimates, response.known == 0.0
-    drag, (north, east), scale = (
-        (0.0, (0.0, 0.0), 1.0) if found is None else (found.drag, found.disturbance[:2], found.thrust_scale)
-    )
+    drag, (north, east), scale, motor_lag = 0.0, (0.0, 0.0), 1.0, MOTOR_LAG
+    if found is not None:
+        drag, (north, east), scale = found.drag, found.disturbance[:2], found.thrust_scale
+        motor_lag = MOTOR_LAG if math.isnan(found.motor_lag) else found.motor_lag
     air = (north, east) if begins else _towards(response.air, (north, east), dt / (AIR_TIME + dt))
     kept = scale if begins or not judged else response.scale + dt / (SCALE_TIME + dt) * (scale - response.scale)
     ax, ay = (a - u) / dt + drag * a - air[0], (b - v) / dt + drag * b - air[1]
-    made = -(ax * x + ay * y + ((c - w) / dt - gravity) * z)
+    made = -(ax * x + ay * y + ((c - w) / dt + drag * c - gravity) * z)
     commanded = steered.thrust / mass * kept / scale
     if begins:
         return ThrustResponse(made, commanded, commanded, dt, air, kept)
-    k, later = dt / (TIME + dt), dt / (ACTUATION + delay + dt)
+    k, later = dt / (TIME + dt), dt / (HELD + motor_lag + delay + dt)
     acting = response.acting + later * (commanded - response.acting)
     smooth = _towards((response.made, response.commanded), (made, acting), k)
     return ThrustResponse(*smooth, acting, response.known + dt, air, kept)
