@@ -9,7 +9,8 @@ import pytest
 
 from trials.airframes import drawn, flown, motor_share
 
-SEEDS = range(0, 200, 20)
+SEEDS = (*range(0, 200, 20), 127)
+"""127 was lost once: it climbs in its first second, and the thrust that it takes back was taken for one that lacks."""
 PATH_MOST, PATH_USUAL = 0.06, 0.03
 """m RMS, believed, on the circle at 3 m/s from 15 s of following on: all, and 95 % of them."""
 YAW_MOST = math.radians(3.0)
