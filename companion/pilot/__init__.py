@@ -5,6 +5,7 @@ intake           whether what arrives is a state, and how late
 targets          what is aimed at in each phase, and how fast the path is flown just now
 payload          what the payload is to do where the path comes to it
 thrust_response  whether the vehicle makes the thrust that is commanded
+thrust_change    a thrust scale that changed all at once, told
 inputs           what the guards look at, gathered from memory and observation
 transitions      what a moment changes of the phase
 tick             the tick itself

@@ -53,6 +53,7 @@ from companion.pilot.targets import (
     turning,
     update_speed_scale,
 )
+from companion.pilot.thrust_change import thrust_change_line
 from companion.pilot.thrust_response import update_thrust_response
 from companion.pilot.transitions import SEARCH_ANEW, Moment, change_phase, report_waiting
 from companion.plan import Plan
@@ -141,7 +142,7 @@ def supervise(
     )
     if breaches is not memory.breaches:
         memory = memory._replace(breaches=breaches)
-    moment = Moment(plan, observation, status, verdict, now, [])
+    moment, before = Moment(plan, observation, status, verdict, now, []), memory.steering.steered
     if early is not None:
         memory = change_phase(moment, _keep_steering(plan, memory, early))
         command = Commanded(early.steered.setpoint, early.steered, early.ramp)
@@ -154,6 +155,9 @@ def supervise(
     actions: tuple[PathAction, ...] = ()
     if fresh:
         memory, actions = due(plan, memory)
+    changed = thrust_change_line(before, command.steered)
+    if changed is not None:
+        moment.notes.append(changed)
     if command.setpoint is not None and not memory.done.flew and status.mode is Mode.OFFBOARD:
         memory = memory._replace(done=memory.done._replace(flew=True))
     notes, ramp = tuple(moment.notes), command.ramp
