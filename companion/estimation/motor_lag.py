@@ -15,7 +15,13 @@ from typing import NamedTuple
 
 from companion.estimation.kalman import Innovation
 from companion.estimation.kalman_step import AXES
-from companion.estimation.rate_loop_model import TimedCommand, active_command, steps_of, thrust_transition
+from companion.estimation.rate_loop_model import (
+    MOTOR_LAG_MIN,
+    TimedCommand,
+    active_command,
+    steps_of,
+    thrust_transition,
+)
 from companion.frames import clamped
 
 MOTOR_LAG_STD = 0.02
@@ -71,6 +77,7 @@ def propagate_by_lag(
     steps, h = steps_of(begin, end)
     if h <= 0.0:
         return by_lag, by_lag
+    motor_lag = max(motor_lag, MOTOR_LAG_MIN)
     left, mean = thrust_transition(motor_lag, h)
     total = 0.0
     for k in range(steps):

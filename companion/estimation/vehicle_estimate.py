@@ -71,12 +71,13 @@ def begin_estimate(
 ) -> VehicleEstimate:  # fmt: skip
     """Hovering, as far as anybody knows. ``rate_loop``: as told; ``lag``: s, as last found; ``motor_lag``: as found
     before."""
-    motion = begin_motion(state, prior, gravity, motor_lag or told_motor_lag(rate_loop.motor_lag))
+    motor_lag = motor_lag or told_motor_lag(rate_loop.motor_lag)
+    motion = begin_motion(state, prior, gravity, motor_lag)
     hovering = gravity / (max(state.r_nb[8], UPRIGHT_MIN) * motion.estimator.belief.thrust_scale)
     identification = initial_rate_loop_estimate(lag, state.w_b, rate_loop.lag)
     rate_loop_state = RateLoopState(state.w_b, (0.0, 0.0, 0.0), hovering)
     yaw_loop = initial_yaw_loop_estimate(state.w_b[2], rate_loop.yaw_lag, rate_loop.yaw_torque_lag)
-    used = _rate_loop_of(identification, rate_loop.motor_lag, yaw_loop)
+    used = _rate_loop_of(identification, round(motor_lag.lag, 3), yaw_loop)
     return VehicleEstimate(motion, rate_loop_state, identification, yaw_loop, used)
 
 

@@ -47,6 +47,7 @@ def vehicle_faults(old: str, new: str) -> str:
         ("thrust_max_n: 8.5", "thrust_max_n: 867", "(thrust_max_n in gram-force? 867 gf is 8.5 N)"),
         ("name: test", "name: test\nhover_thrust: 0.2", "contradicts mass and rotors, which hover at 0.5"),
         ("name: test", "name: test\nmotor_lag_s: 25", "(in ms? 0.025 would fit)"),
+        ("name: test", "name: test\nmotor_lag_s: 0.3", "contradicts rate_loop_lag_s, 0.06"),
         ("name: test", "name: test\nlink_delay_s: 12", "(in ms? 0.012 would fit)"),
         ("name: test", "name: test\nhover_thrust: 55", "(in percent? 0.55 would fit)"),
         ("name: test", "name: test\nlimits: {tilt_deg: 0.78}", "is this in radians?"),

@@ -51,6 +51,12 @@ def test_the_slope_of_the_thrust_is_that_of_the_model() -> None:
     assert slopes == pytest.approx(difference, rel=1e-4, abs=1e-3)
 
 
+def test_motors_that_have_none_count_as_quick() -> None:
+    commands = (TimedCommand(0.0, STILL, 12.0),)
+    by_lag, mean = propagate_by_lag(0.0, 9.0, 0.0, commands, 0.0, 0.008)
+    assert math.isfinite(by_lag) and math.isfinite(mean)
+
+
 @pytest.mark.parametrize("frozen", [False, True])
 def test_the_slopes_of_state_and_innovation_are_those_of_two_filters(frozen: bool) -> None:
     """Measured as one of them predicts: what its gains go by with the lag, which is left out, says nothing then."""

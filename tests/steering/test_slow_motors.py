@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from companion.daemon.conductor import Conductor
 from companion.flight.phases import Phase
 from companion.world import Deviations
@@ -24,3 +26,13 @@ def test_the_thrust_does_not_swing_with_motors_that_are_slower_than_told() -> No
     assert done.reason is None
     late = slopes[len(slopes) // 2 :]
     assert (sum(slope * slope for slope in late) / len(late)) ** 0.5 < 1.2
+
+
+@pytest.mark.parametrize("told", [0.0, 0.1])
+def test_a_lag_that_is_far_off_is_found_all_the_same(told: float) -> None:
+    """0 is what a vehicle file says that says nothing of it."""
+    done = measure_flight(
+        course("circle_r5", 3.0), machine("sih", motor_lag=told), world("sih_noisy"), seed=2, duration=12.0, settle=8.0
+    )
+    assert done.reason is None
+    assert done.believed is not None and done.believed.path < 0.05
