@@ -18,7 +18,7 @@ from tests.support.flights import flight
 
 pytestmark = pytest.mark.xdist_group("report_estimates")
 
-LEARNED = ("pace", "thrust_scale", "drag", "push_north", "delay", "rate_lag")
+LEARNED = ("pace", "thrust_scale", "drag", "push_north", "delay", "rate_lag", "motor_lag")
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +37,7 @@ def test_estimates_are_recorded_and_replayed(flown: Path) -> None:
     assert followed["drag"][-1] == pytest.approx(1.0, abs=0.5)
     assert np.max(np.abs(followed["push_north"])) < 1.0
     assert (followed["rate_lag"] > 0.0).all()
+    assert (followed["motor_lag"] > 0.0).all()
     assert (followed["pace"] <= 1.0).all()
     assert (followed["setpoint"] == 2).all()
 
@@ -47,6 +48,7 @@ def test_they_have_their_figures(flown: Path) -> None:
     assert 'id="figure-machine"' in page
     assert 'id="figure-surroundings"' in page
     assert "Body rate p, deg/s" in page
+    assert ">rate loop<" in page and ">motors<" in page
 
 
 def test_a_record_from_before_them_still_has_its_page(flown: Path) -> None:

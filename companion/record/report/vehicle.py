@@ -48,9 +48,12 @@ def surroundings(evidence: Evidence) -> Figure:
     legend(disturbance)
     span_y(disturbance, *ends(lines), 0.2)
     lines = [np.array([lag])]
-    for column, name, colour in (("delay", "state to effect", BLUE), ("rate_lag", "rate loop", VERMILION)):
-        lines.append(1e3 * estimated[column])
-        draw_curve(delay, estimated["t"], lines[-1], colour, name)
+    for column, name, colour in (
+        ("delay", "state to effect", BLUE), ("rate_lag", "rate loop", VERMILION), ("motor_lag", "motors", GREEN),
+    ):  # fmt: skip
+        if column in estimated and np.isfinite(estimated[column]).any():
+            lines.append(1e3 * estimated[column])
+            draw_curve(delay, estimated["t"], lines[-1], colour, name)
     delay.axhline(lag, color=FAINT, linewidth=0.8, linestyle=DOTTED)
     name_y(delay, "Delays, ms")
     legend(delay)
