@@ -65,6 +65,10 @@ G_AT = SIZE + AXES * len(UPPER)
 """Index of G in what a step gives. By definition of the model."""
 T_AT = G_AT + 2 * AXES * PER_AXIS
 """Index of T in it. By definition of the model."""
+BY_LAG_AT = T_AT + 3
+"""Index of what goes with the motors' lag in it. By definition of the model."""
+SEEN_AT = BY_LAG_AT + SIZE
+"""Index of the innovations in it. By definition of the model."""
 PRIOR_POSITION_STD = 1e-3
 """m. The reported position is what is followed, whatever the true one. Engineering choice."""
 PRIOR_DISTURBANCE_STD: Vec3 = (1.5, 1.5, 0.05)
@@ -238,6 +242,7 @@ def predict_and_update(
         *noise.velocity_error, *noise.gust, *noise.disturbance_q, noise.heading_error, noise.tilt_error,
         thrust_scale_q, drag_q, *belief.x, *belief.S, *belief.G, *belief.T, *thrust_by_lag_n, *belief.by_lag,
     )  # fmt: skip
-    x, S, G, T = told[:SIZE], told[SIZE:G_AT], told[G_AT:T_AT], told[T_AT : T_AT + 3]
-    by_lag = told[T_AT + 3 : T_AT + 3 + SIZE]
-    return Belief(x, S, G, T, by_lag), Innovation(told[-18:-12], told[-12:-6], told[-6:])  # type: ignore[arg-type]
+    kk, kc, cc = told[T_AT:BY_LAG_AT]
+    later = Belief(told[:SIZE], told[SIZE:G_AT], told[G_AT:T_AT], (kk, kc, cc), told[BY_LAG_AT:SEEN_AT])
+    seen, count = told[SEEN_AT:], 2 * AXES
+    return later, Innovation(seen[:count], seen[count : 2 * count], seen[2 * count :])

@@ -142,7 +142,8 @@ def supervise(
     )
     if breaches is not memory.breaches:
         memory = memory._replace(breaches=breaches)
-    moment, before = Moment(plan, observation, status, verdict, now, []), memory.steering.steered
+    moment = Moment(plan, observation, status, verdict, now, [])
+    before = memory.steering.steered
     if early is not None:
         memory = change_phase(moment, _keep_steering(plan, memory, early))
         command = Commanded(early.steered.setpoint, early.steered, early.ramp)

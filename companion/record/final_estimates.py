@@ -51,14 +51,14 @@ def estimate_sentences(figures: dict[str, Any] | None, vehicle: Vehicle) -> list
         return []
     north, east, down = figures["disturbance_mps2"]
     lag = figures["rate_loop_lag_s"]  # none at motors and torques
-    of_the_loop = "" if lag is None else f"rate loop lag {1e3 * lag:.0f} ms (file {1e3 * vehicle.rate_loop_lag:.0f}), "
+    lags = "" if lag is None else f"rate loop lag {1e3 * lag:.0f} ms (file {1e3 * vehicle.rate_loop_lag:.0f}), "
     motor_lag = figures["motor_lag_s"]
     if motor_lag is not None:
-        of_the_loop += f"motor lag {1e3 * motor_lag:.0f} ms (file {1e3 * vehicle.motor_lag:.0f}), "
+        lags += f"motor lag {1e3 * motor_lag:.0f} ms (file {1e3 * vehicle.motor_lag:.0f}), "
     words = [
         f"found in flight: thrust scale {figures['thrust_scale']:.3f}, drag {figures['drag_per_s']:.2f} 1/s "
         f"(file {vehicle.drag:.2f}), disturbance {math.hypot(north, east, down):.2f} m/s^2, "
-        f"{of_the_loop}delay from a state to its command's effect {1e3 * figures['delay_s']:.0f} ms"
+        f"{lags}delay from a state to its command's effect {1e3 * figures['delay_s']:.0f} ms"
     ]
     poles = figures["path_pole_per_s"]
     if poles is not None:
