@@ -32,9 +32,9 @@ CONFIRM_WITHIN = 1.5
 """s after an accepted mode change within which telemetry must show it. Engineering choice: PX4's heartbeat alone is
 1 Hz."""
 OLD_MODE_WITHIN = 0.2
-"""s after OFFBOARD was accepted in which the mode before may still be told, as it was sent before; told later, OFFBOARD
-was left again. Engineering choice: PX4 answers and changes within a few ms, two times the longest way that is flown
-with."""
+"""s after a mode was accepted, or first seen, in which the mode before may still be told, as it was sent before and
+overtaken on the way; told later, the vehicle went back to it. Engineering choice: PX4 answers and changes within a few
+ms, two times the longest way that is flown with."""
 TO_THE_GROUND = (Phase.LAND, Phase.RETURN)
 """The phases in which the vehicle comes down by itself."""
 BEGINS = (Phase.TAKE_OFF, Phase.LAND, Phase.RETURN)
@@ -62,8 +62,10 @@ def elsewhere(s: Situation) -> bool:
     expected, mode = EXPECTED_MODES.get(s.phase), s.status.mode
     if expected is None or mode is None or mode in expected:
         return False
-    if mode is s.decided_in and not s.mode_seen:
-        return s.phase in FLOWN and s.answered - s.status.mode_age > OLD_MODE_WITHIN
+    if mode is s.decided_in:
+        told_late = s.answered - s.status.mode_age > OLD_MODE_WITHIN
+        if not told_late or not s.mode_seen:
+            return told_late and s.phase in FLOWN
     if s.phase in TO_THE_GROUND:  # PX4 leaves these modes itself when it disarms
         if s.status.landed is Landed.ON_GROUND:
             return False

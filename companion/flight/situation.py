@@ -52,6 +52,6 @@ class Situation(NamedTuple):
     asked_at: float = math.inf  # s, when last
     unusable: str | None = None  # what came in the place of a state
     late: float = 0.0  # s that the last state came late
-    answered: float = 0.0  # s since the answer came
+    answered: float = 0.0  # s since what is asked for was answered, or first seen where no answer had accepted it
     armed_heard: float = math.inf  # s since armed was last said
     flown_in: str = "OFFBOARD"  # what the pilot's ground station calls the mode that flies on our setpoints

@@ -103,7 +103,10 @@ def _take_in_answer(memory: Memory, observation: Observation, now: float) -> Mem
     mode = observation.status.mode
     if memory.request.mode_seen or mode is None or mode.value is not OWN_MODE.get(memory.phase, Mode.UNKNOWN):
         return memory
-    return memory._replace(request=memory.request._replace(mode_seen=True))
+    request = memory.request._replace(mode_seen=True)
+    if request.answer is None or not request.answer.accepted:  # it was lost, or is behind
+        request = request._replace(answered_at=now)
+    return memory._replace(request=request)
 
 
 def _unusable(watch: StateWatch, passed: float, late: float) -> StateWatch:

@@ -107,7 +107,7 @@ class RequestMemory(NamedTuple):
 
     asking: Asking | None = None  # arming or a mode, and how often it was sent; None where the phase asks for nothing
     answer: Answer | None = None  # the vehicle's to it
-    answered_at: float = 0.0  # s, our clock
+    answered_at: float = 0.0  # s, our clock; or when its own mode was first seen, where no answer had accepted it
     decided_in: Mode | None = None  # the mode in which it was first asked for
     mode_seen: bool = False  # telemetry has shown the phase's own mode
 

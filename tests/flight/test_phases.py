@@ -102,13 +102,27 @@ def test_a_human_who_changes_the_mode_wins() -> None:
 
 def test_a_mode_of_our_own_asking_that_comes_once_more_is_nobodys_word_for_certain() -> None:
     held = FLYING._replace(mode=Mode.HOLD, intended=Mode.HOLD)
-    landing = situation(Phase.LAND, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=9.7, now=10.0)
-    again = decide(landing)
+    landing = situation(Phase.LAND, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=9.6, now=10.0)
+    again = decide(landing._replace(answered=0.4))
     assert again is not None
     assert again[2] == "in land the vehicle says Hold again: somebody selected it, or an old word came once more"
     following = situation(Phase.FOLLOW, status=held, mode_seen=True, decided_in=Mode.HOLD, entered=9.0, now=10.0)
-    certain = decide(following)
+    certain = decide(following._replace(answered=1.0))
     assert certain is not None and certain[2] == "the operator took over: the mode is Hold now"
+
+
+@pytest.mark.parametrize("phase", [Phase.SETTLE, Phase.LAND, Phase.RETURN])
+def test_a_word_of_the_mode_before_that_was_overtaken_is_nobodys(phase: Phase) -> None:
+    """The answer was lost, CURRENT_MODE showed the phase's mode, and a HEARTBEAT sent before it comes after it."""
+    before = Mode.HOLD if phase is Phase.SETTLE else Mode.OFFBOARD
+    old = FLYING._replace(mode=before, intended=before, mode_age=0.0)
+    overtaken = situation(phase, status=old, mode_seen=True, decided_in=before, entered=9.9)
+    assert decide(overtaken._replace(answered=0.02)) is None
+    went_back = decide(overtaken._replace(answered=0.3))
+    assert went_back is not None and went_back[1] is Event.TAKEN_OVER
+    somebody = old._replace(mode=Mode.POSITION, intended=Mode.POSITION)
+    at_once = decide(overtaken._replace(status=somebody, answered=0.02))
+    assert at_once is not None and at_once[1] is Event.TAKEN_OVER
 
 
 def test_offboard_that_was_left_before_it_was_seen_is_over_with_the_next_word() -> None:

@@ -79,12 +79,13 @@ def seen_at(flight: Flight, word: Word) -> float:
 
 
 def _old_until(flight: Flight, word: Word) -> float:
-    """Until when his mode may be the one before our own OFFBOARD, told late; -infinity: it is another one."""
-    asked = max(
-        (said.at for said in flight.traffic.commands if said.mode is Mode.OFFBOARD and said.at < word.at), default=0.0
-    )
-    alike = _selects_mode_heard(flight, word, asked)
-    return asked + ANSWERED_WITHIN + OLD_MODE_WITHIN + MARGIN if alike else -math.inf
+    """Until when his mode may be the one before a mode that was asked for, told late; -infinity: it is another one."""
+    asked = [said for said in flight.traffic.commands if said.mode is not None and said.at < word.at]
+    if not asked or not _selects_mode_heard(flight, word, asked[-1].at):
+        return -math.inf
+    at, mode = asked[-1].at, asked[-1].mode
+    seen = next((heard.at for heard in flight.traffic.statuses if heard.at > at and heard.mode is mode), at)
+    return max(at + ANSWERED_WITHIN, seen) + OLD_MODE_WITHIN + MARGIN
 
 
 def _selects_mode_heard(flight: Flight, word: Word, at: float) -> bool:
