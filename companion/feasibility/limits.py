@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 PLANNED_UNDER_DETECTOR = math.radians(10.0)
 """rad that a path is planned to stay under the autopilot's failure detector, which ends a flight. In flight wind may
-take 2 of it (steering.tilt_margin.STEADY_UNDER_DETECTOR). Engineering choice."""
+take 2 of it (steering.tilt_barrier.STEADY_UNDER_DETECTOR). Engineering choice."""
 
 
 @dataclass(frozen=True, slots=True)

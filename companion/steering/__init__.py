@@ -9,9 +9,9 @@ Each is the same block diagram; ``assembly`` puts it together for a vehicle, ``s
     motors          the paper's chain: snap -> torques -> motor commands; motor_memory: what it remembers
     torques         those torques, told to PX4's allocator
     speed_governor  the speed gives way where the vehicle could not fly the path at the mission's
-    tilt_margin     how much steeper than on average it tilts, which the governor leaves
     yaw             the yaw loop compensated; yaw_forecast: the yaw rates to come; yaw_reference: those that are planned
     path_poles      poles of h1 and h2, by the noise found
+    tilt_barrier    no rate that leans the vehicle into its failure detector
     limits          body rates, thrust, anti-windup, levelling
     encoding        those rates as they are, or as the attitude PX4 turns back into them
     timing          when what acts

@@ -19,7 +19,7 @@ from companion.steering.motors import MotorSteering
 from companion.steering.path_poles import AS_WRITTEN, TILT_BEYOND, PoleChoice, steep_scale
 from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
-from companion.steering.tilt_margin import STEADY_UNDER_DETECTOR
+from companion.steering.tilt_barrier import STEADY_UNDER_DETECTOR
 from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
 from companion.steering.yaw_forecast import recorded_forecast
 from companion.thrust_range import thrust_range_of

@@ -8,7 +8,6 @@ from companion.estimation.body_model import TimedWrench
 from companion.estimation.motor_estimate import MotorEstimate
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.steering.path_poles import PathPoles
-from companion.steering.tilt_margin import MARGIN_FIRST
 
 
 class Extension(NamedTuple):
@@ -31,7 +30,6 @@ class MotorMemory(NamedTuple):
     extension: Extension  # of the thrust
     governor: SpeedScale = UNITY  # of the speed
     poles: PathPoles = PathPoles()  # of the path
-    tilt_margin: float = MARGIN_FIRST  # rad, see steering.tilt_margin
     delay: float | None = None  # s, the dead time; None before the first step
     limited: bool = False  # the last command met a limit
     moving: bool = False  # it was to fly somewhere

@@ -56,7 +56,7 @@ from companion.steering.shared import (
 )
 from companion.steering.speed_governor import Capability, Course
 from companion.steering.steering import Aim, Along, Estimates, Steered
-from companion.steering.tilt_margin import update_tilt_margin
+from companion.steering.tilt_barrier import within_barrier
 from companion.steering.timing import Timing
 from companion.thrust_range import THRUST_USED_MAX, Bound, ThrustRange
 from companion.vehicle import Limits, MotorSetpoint, Vehicle, VehicleState
@@ -115,7 +115,7 @@ class MotorSteering:
         timing = Timing(memory.delay, 0.5 * dt, self.vehicle.motor_lag, 0.0)
         forces = self._forces(memory.estimate)
         predicted = predict_motors(memory.estimate, forces, self.body, memory.commands, timing.horizon)
-        capability = self._capability(forces, memory.tilt_margin)
+        capability = self._capability(forces)
         governor, aim = govern_aim(memory.governor, self.course, aim, capability, dt)
         extension = memory.extension.after(timing.hold)
         flying = _flying(predicted, extension, forces, aim, memory.poles.scale)
@@ -181,25 +181,26 @@ class MotorSteering:
             return estimate.motion.forces
         return ForceModel(1.0, self.vehicle.drag, NO_DISTURBANCE, self.vehicle.gravity)
 
-    def _capability(self, forces: ForceModel, tilt_margin: float) -> Capability:
+    def _capability(self, forces: ForceModel) -> Capability:
         most = THRUST_USED_MAX * forces.thrust_scale * self.allocation.thrust_max / self.vehicle.mass
-        return capability_of(forces, most, self.tan_tilt_max, tilt_margin)
+        return capability_of(forces, most, self.tan_tilt_max)
 
     def _headed(self, torque: Vec3, w_b: Vec3) -> Vec3:
         """rad/s: the body rates that the law heads for, w + w'/k: what it would ask for at rates."""
         (x, y, _), (jx, jy, _), k = torque, self.vehicle.inertia, self.rate_gain
         return (w_b[0] + x / jx / k, w_b[1] + y / jy / k, w_b[2])
 
-    def _within_rates(self, torque: Vec3, w_b: Vec3) -> Vec3:
+    def _within_rates(self, torque: Vec3, flying: Flying) -> Vec3:
         """``torque`` (N m) as if the body rates that the law heads for were bounded as at rates: far beside the path
-        nothing else bounds how fast it turns the body."""
+        nothing else bounds how fast it turns the body, and the tilt barrier stands here too."""
         limits, k = self.limits, self.rate_gain
         if limits is None:
             return torque
-        (x, y, z), (jx, jy, _), (p, q, _) = torque, self.vehicle.inertia, self._headed(torque, w_b)
+        (x, y, z), (jx, jy, _), (p, q, _) = torque, self.vehicle.inertia, self._headed(torque, flying.w_b)
+        p_kept, q_kept = within_barrier(p, q, flying.r_nb, limits)
         p_most, q_most = min(limits.body_rates[0], TILT_RATE_MAX), min(limits.body_rates[1], TILT_RATE_MAX)
         return (
-            x + jx * k * (clamped(p, -p_most, p_most) - p), y + jy * k * (clamped(q, -q_most, q_most) - q), z
+            x + jx * k * (clamped(p_kept, -p_most, p_most) - p), y + jy * k * (clamped(q_kept, -q_most, q_most) - q), z
         )  # fmt: skip
 
     def _torque(self, memory: MotorMemory, command: Command, flying: Flying, timing: Timing) -> Vec3:
@@ -207,7 +208,7 @@ class MotorSteering:
         motor lag of 50 ms swing at every step. A vehicle that leans moves its height by turning, so that the gain of
         the height's is one on its body rates."""
         w_b, upright = flying.w_b, flying.r_nb[8]
-        (u2, u3, u4), (jx, jy, jz) = self._within_rates(command.turn, w_b), self.vehicle.inertia
+        (u2, u3, u4), (jx, jy, jz) = self._within_rates(command.turn, flying), self.vehicle.inertia
         tp, tq, tr = memory.estimate.body_state.turning(w_b)
         _, l2, l3, l4 = memory.commands[-1].wrench
         ratio = timing.relaxation(self.lift_gain + upright * upright * (self.rate_gain - self.lift_gain))
@@ -235,7 +236,6 @@ class MotorSteering:
             extension=Extension(later, later_dot, zeta_ddot),
             governor=governor,
             poles=memory.poles,
-            tilt_margin=update_tilt_margin(memory.tilt_margin, estimate.motion.state.tilt, self.limits, dt),
             delay=memory.delay,
             limited=is_nothing_learned(
                 estimate.motion, share, on_a_bound=bound is Bound.LEVEL, slewed=bound is Bound.SLEW

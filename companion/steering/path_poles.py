@@ -20,7 +20,7 @@ import math
 from typing import NamedTuple
 
 from companion.frames import Vec3
-from companion.steering.tilt_margin import STEADY_UNDER_DETECTOR
+from companion.steering.tilt_barrier import STEADY_UNDER_DETECTOR
 
 ROUGHNESS_MOST = math.radians(3.5)
 """rad/s, of roll and pitch rate commanded (at motors those that the law heads for): their noise, by second differences

@@ -8,7 +8,6 @@ from companion.estimation.rate_loop_model import TimedCommand
 from companion.estimation.vehicle_estimate import VehicleEstimate
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.steering.path_poles import PathPoles
-from companion.steering.tilt_margin import MARGIN_FIRST
 from companion.steering.yaw import YawMemory
 
 
@@ -21,7 +20,6 @@ class RateMemory(NamedTuple):
     governor: SpeedScale = UNITY  # of the speed
     yaw: YawMemory = YawMemory()  # of the yaw compensation
     poles: PathPoles = PathPoles()  # of the path
-    tilt_margin: float = MARGIN_FIRST  # rad, see steering.tilt_margin
     delay: float | None = None  # s, the dead time; None before the first step
     limited: bool = False  # the last command met a limit of what the vehicle makes
     moving: bool = False  # it was to fly somewhere

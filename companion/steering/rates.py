@@ -8,7 +8,7 @@
     govern speed        steering.speed_governor         SpeedScale
     law                 law.flight, law.hold            zeta, the dynamic extension (Eq. 4)
     yaw compensation    steering.yaw                    YawMemory
-    limits              steering.limits                 whether the last command met one
+    limits              steering.limits, tilt_barrier   whether the last command met one
     encode              steering.encoding               none
     path poles          steering.path_poles             PathPoles; last, for the law of the next step
 
@@ -35,7 +35,7 @@ from companion.estimation.vehicle_estimate import (
     predict_yaw,
     restart_estimate,
 )
-from companion.frames import Heading, Quaternion, Vec3, rotation_matrix, tilt
+from companion.frames import Heading, Matrix3, Quaternion, Vec3, rotation_matrix, tilt
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.steering.encoding import Encoding
@@ -64,7 +64,7 @@ from companion.steering.shared import (
 )
 from companion.steering.speed_governor import Capability, Course
 from companion.steering.steering import Aim, Along, Steered
-from companion.steering.tilt_margin import update_tilt_margin
+from companion.steering.tilt_barrier import within_barrier
 from companion.steering.timing import Timing
 from companion.steering.yaw import (
     USUAL_THRUST_PER_RATE,
@@ -127,7 +127,7 @@ class RateSteering:
         turning = self._turning(memory, command, predicted, thrust, capability, timing)
         loop = yaw_loop(memory.estimate.rate_loop, timing.lag, timing.smoothing)
         yaw_rate, yaw = compensate_yaw(memory.yaw, loop, wanted, turning, dt)
-        rates = self._limit_rates(memory, command, yaw_rate, timing)
+        rates, at_barrier = self._limit_rates(memory, command, flying.r_nb, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
@@ -140,12 +140,12 @@ class RateSteering:
             poles=update_path_poles(
                 memory.poles, self.pole_choice, rates.sent, tilt(flying.r_nb), dt, along=isinstance(aim, Along)
             ),
-            tilt_margin=update_tilt_margin(memory.tilt_margin, state.tilt, self.vehicle.limits, dt),
             delay=memory.delay,
             limited=is_nothing_learned(estimate.motion, thrust.sent, on_a_bound=limited, slewed=thrust.slew_limited),
             moving=is_to_move(command, aim),
         )
-        return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited or thrust.slew_limited)
+        limited = limited or thrust.slew_limited or at_barrier
+        return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited)
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
@@ -187,8 +187,8 @@ class RateSteering:
         estimate = advance_estimate(memory.estimate, memory.commands, state, memory.limited, memory.moving)
         commands = recent_commands(memory.commands, state.t_boot - COMMANDS_KEPT)
         return RateMemory(
-            estimate, commands, memory.zeta, memory.governor, memory.yaw, memory.poles, memory.tilt_margin, delay,
-            memory.limited, memory.moving,
+            estimate, commands, memory.zeta, memory.governor, memory.yaw, memory.poles, delay, memory.limited,
+            memory.moving,
         )  # fmt: skip
 
     def _timing(self, memory: RateMemory, dt: float) -> Timing:
@@ -198,7 +198,7 @@ class RateSteering:
     def _capability(self, memory: RateMemory) -> Capability:
         forces = memory.estimate.motion.forces
         most = THRUST_MAX * forces.thrust_scale * forces.gravity / self.hover_thrust
-        return capability_of(forces, most, self.tan_tilt_max, memory.tilt_margin)
+        return capability_of(forces, most, self.tan_tilt_max)
 
     def _flying(self, memory: RateMemory, predicted: PredictedState, aim: Aim) -> Flying:
         """The predicted state as the law takes it."""
@@ -255,14 +255,17 @@ class RateSteering:
         fastest = math.inf if limits is None else limits.body_rates[2]
         return Turning(r, r_dot, estimate.rate_loop_state.yaw_trim, authority, fastest)
 
-    def _limit_rates(self, memory: RateMemory, command: Command, yaw_rate: float, timing: Timing) -> LimitedRates:
-        """Relax, limits: body rates. The rate loop of a vehicle that is restrained must not wind up. Not relaxed, poles
-        of -6, -6, -6 swing up within a second at 17 states a second."""
+    def _limit_rates(
+        self, memory: RateMemory, command: Command, r_nb: Matrix3, yaw_rate: float, timing: Timing
+    ) -> tuple[LimitedRates, bool]:
+        """Relax, limits: body rates, and whether the tilt barrier took of them. The rate loop of a vehicle that is
+        restrained must not wind up. Not relaxed, poles of -6, -6, -6 swing up within a second at 17 states a second."""
         estimate, (p, q, _), last = memory.estimate, command.turn, memory.commands[-1].rates_b
         ratio = timing.relaxation(self.tilt_gain)
         p, q = last[0] + ratio * (p - last[0]), last[1] + ratio * (q - last[1])
-        turn: Vec3 = (0.0, 0.0, 0.0) if estimate.motion.estimator.restrained else (p, q, yaw_rate)
-        return limit_rates(turn, estimate.identification.gains, self.vehicle.limits)
+        kept = within_barrier(p, q, r_nb, self.vehicle.limits)
+        turn: Vec3 = (0.0, 0.0, 0.0) if estimate.motion.estimator.restrained else (*kept, yaw_rate)
+        return limit_rates(turn, estimate.identification.gains, self.vehicle.limits), kept != (p, q)
 
     def _encode(self, memory: RateMemory, rates: LimitedRates, thrust: LimitedThrust, timing: Timing) -> Setpoint:
         """Encode: an attitude setpoint counts from the attitude in which it will be followed."""
@@ -289,10 +292,7 @@ class RateSteering:
             converged=estimate.motion.estimator.converged,
             governor=memory.governor.value,
             estimates=estimates_of(
-                estimate.motion,
-                timing.delay,
-                timing.lag - timing.smoothing,
-                estimate.rate_loop.yaw_lag,
+                estimate.motion, timing.delay, timing.lag - timing.smoothing, estimate.rate_loop.yaw_lag,
                 self.path_pole * memory.poles.scale,
             ),
-        )
+        )  # fmt: skip

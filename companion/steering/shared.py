@@ -42,10 +42,8 @@ def is_nothing_learned(motion: MotionEstimate, share: float, *, on_a_bound: bool
     return on_a_bound or share > THRUST_NEAR_SATURATION or (slewed and not motion.estimator.converged)
 
 
-def capability_of(forces: ForceModel, specific_thrust: float, tan_tilt_max: float, tilt_margin: float) -> Capability:
-    """``specific_thrust``: m/s^2, the largest as the vehicle makes it. ``tilt_margin``: rad under the steepest tilt."""
-    if tilt_margin > 0.0:
-        tan_tilt_max = math.tan(math.atan(tan_tilt_max) - tilt_margin)
+def capability_of(forces: ForceModel, specific_thrust: float, tan_tilt_max: float) -> Capability:
+    """``specific_thrust``: m/s^2, the largest as the vehicle makes it."""
     return Capability(specific_thrust, tan_tilt_max, forces.drag, forces.disturbance_n, forces.gravity)
 
 
