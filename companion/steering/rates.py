@@ -127,7 +127,7 @@ class RateSteering:
         turning = self._turning(memory, command, predicted, thrust, capability, timing)
         loop = yaw_loop(memory.estimate.rate_loop, timing.lag, timing.smoothing)
         yaw_rate, yaw = compensate_yaw(memory.yaw, loop, wanted, turning, dt)
-        rates, at_barrier = self._limit_rates(memory, command, flying.r_nb, yaw_rate, timing)
+        rates = self._limit_rates(memory, command, flying.r_nb, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
@@ -144,8 +144,7 @@ class RateSteering:
             limited=is_nothing_learned(estimate.motion, thrust.sent, on_a_bound=limited, slewed=thrust.slew_limited),
             moving=is_to_move(command, aim),
         )
-        limited = limited or thrust.slew_limited or at_barrier
-        return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited)
+        return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited or thrust.slew_limited)
 
     def learn(self, memory: RateMemory) -> RateMemory:
         """See Steering."""
@@ -257,15 +256,15 @@ class RateSteering:
 
     def _limit_rates(
         self, memory: RateMemory, command: Command, r_nb: Matrix3, yaw_rate: float, timing: Timing
-    ) -> tuple[LimitedRates, bool]:
-        """Relax, limits: body rates, and whether the tilt barrier took of them. The rate loop of a vehicle that is
-        restrained must not wind up. Not relaxed, poles of -6, -6, -6 swing up within a second at 17 states a second."""
+    ) -> LimitedRates:
+        """Relax, tilt barrier, limits: body rates. The rate loop of a vehicle that is restrained must not wind up. Not
+        relaxed, poles of -6, -6, -6 swing up within a second at 17 states a second."""
         estimate, (p, q, _), last = memory.estimate, command.turn, memory.commands[-1].rates_b
         ratio = timing.relaxation(self.tilt_gain)
         p, q = last[0] + ratio * (p - last[0]), last[1] + ratio * (q - last[1])
-        kept = within_barrier(p, q, r_nb, self.vehicle.limits)
-        turn: Vec3 = (0.0, 0.0, 0.0) if estimate.motion.estimator.restrained else (*kept, yaw_rate)
-        return limit_rates(turn, estimate.identification.gains, self.vehicle.limits), kept != (p, q)
+        p, q = within_barrier(p, q, r_nb, self.vehicle.limits)
+        turn: Vec3 = (0.0, 0.0, 0.0) if estimate.motion.estimator.restrained else (p, q, yaw_rate)
+        return limit_rates(turn, estimate.identification.gains, self.vehicle.limits)
 
     def _encode(self, memory: RateMemory, rates: LimitedRates, thrust: LimitedThrust, timing: Timing) -> Setpoint:
         """Encode: an attitude setpoint counts from the attitude in which it will be followed."""
