@@ -19,7 +19,7 @@ from companion.steering.motors import MotorSteering
 from companion.steering.path_poles import AS_WRITTEN, TILT_BEYOND, PoleChoice, steep_scale
 from companion.steering.rates import RateSteering
 from companion.steering.speed_governor import Course
-from companion.steering.tilt_barrier import STEADY_UNDER_DETECTOR
+from companion.steering.tilt_barrier import STEADY_AT_MOTORS, STEADY_UNDER_DETECTOR
 from companion.steering.yaw import USUAL_THRUST_PER_RATE, ThrustPerRate, usual_yaw_lag
 from companion.steering.yaw_forecast import recorded_forecast
 from companion.thrust_range import thrust_range_of
@@ -79,7 +79,7 @@ def rate_steering(
         yaw_gain=yaw_gain,
         tilt_gain=tilt_gain,
         course=course,
-        tan_tilt_max=tan_tilt_max(vehicle),
+        tan_tilt_max=tan_tilt_max(vehicle, STEADY_UNDER_DETECTOR),
         lag=rate_loop.lag if lag is None else lag + encoding.smoothing,
         heading=heading,
         per_rate=per_rate,
@@ -119,7 +119,7 @@ def motor_steering(
         lift_gain=lift_gain,
         course=course,
         limits=guarded.limits,
-        tan_tilt_max=tan_tilt_max(guarded),
+        tan_tilt_max=tan_tilt_max(guarded, STEADY_AT_MOTORS),
         rate_lag=vehicle.rate_loop_lag if lag is None else lag,
         yaw_lag=yaw_lag or 0.0,
         path_pole=math.nan if path_pole is None else path_pole,
@@ -139,9 +139,10 @@ def _guarded(vehicle: Vehicle) -> Vehicle:
     return replace(vehicle, limits=replace(limits, failure_detector=limits.caught_tilt))
 
 
-def tan_tilt_max(vehicle: Vehicle) -> float:
-    """Tangent of the steepest steady tilt of a path; where it would be more, in wind, the speed gives way."""
+def tan_tilt_max(vehicle: Vehicle, under_detector: float) -> float:
+    """Tangent of the steepest steady tilt of a path, ``under_detector`` rad at least; where it would be more, in wind,
+    the speed gives way."""
     limits = vehicle.limits
     if limits is None:
         return math.inf
-    return math.tan(min(limits.tilt + TILT_MARGIN, limits.failure_detector - STEADY_UNDER_DETECTOR, TILT_MAX))
+    return math.tan(min(limits.tilt + TILT_MARGIN, limits.failure_detector - under_detector, TILT_MAX))

@@ -124,5 +124,5 @@ def test_the_steady_tilt_stays_eight_degrees_under_the_failure_detector() -> Non
     limits = machine("sih").limits
     assert limits is not None
     steep = dataclasses.replace(limits, tilt=math.radians(60.0))
-    assert math.degrees(math.atan(tan_tilt_max(machine("sih", limits=steep)))) == pytest.approx(52.0)
-    assert math.degrees(math.atan(tan_tilt_max(machine("x500")))) == pytest.approx(47.0)
+    assert math.degrees(math.atan(tan_tilt_max(machine("sih", limits=steep), math.radians(8.0)))) == pytest.approx(52.0)
+    assert math.degrees(math.atan(tan_tilt_max(machine("x500"), math.radians(8.0)))) == pytest.approx(47.0)
