@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+STEP_OF_SCALE = 1e-4
+"""Ratio to a parameter's scale: how far it is moved to see what the residuals do (engineering choice). A step in
+proportion to the value itself would be lost in rounding where the value is near 0."""
 
 
 class Fitted(NamedTuple):
@@ -31,9 +34,10 @@ def fit(
     whose spread counts, where ``residuals`` are those of projected data (two-stage least squares)."""
     from scipy.optimize import least_squares
 
-    found = least_squares(
-        residuals, np.clip(start, low, high), bounds=(low, high), x_scale=scale, diff_step=1e-4, max_nfev=100
-    )
+    def slopes(values: Array) -> Array:
+        return _jacobian(residuals, values, high, scale)
+
+    found = least_squares(residuals, np.clip(start, low, high), slopes, bounds=(low, high), x_scale=scale, max_nfev=100)
     J = found.jac
     r = found.fun if actual is None else actual(found.x)
     inverse = np.linalg.pinv(J.T @ J)
@@ -44,3 +48,19 @@ def fit(
     white = inverse * float(r @ r) / max(1, len(r) - len(found.x))
     std = np.sqrt(np.maximum(np.maximum(np.diag(covariance), np.diag(white)), 0.0))
     return Fitted(np.asarray(found.x), std)
+
+
+def _jacobian(
+    residuals: Callable[[Array], Array], values: Array, high: Sequence[float], scale: Sequence[float]
+) -> Array:
+    """One column a parameter, by a step of STEP_OF_SCALE; at the upper bound the step goes inward."""
+    here = residuals(values)
+    columns = []
+    for i, size in enumerate(scale):
+        step = STEP_OF_SCALE * size
+        if values[i] + step > high[i]:
+            step = -step
+        moved = values.copy()
+        moved[i] += step
+        columns.append((residuals(moved) - here) / step)
+    return np.column_stack(columns)
