@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.identification.ulog import Log, Series
+from companion.identification.ulog import NEEDED, Log, Series
 from companion.vehicle import CompanionError
 
 Array = NDArray[np.float64]
@@ -61,6 +61,12 @@ def flown_parts(log: Log) -> list[Part]:
     return parts
 
 
+def telling(part: Part) -> NDArray[np.bool_]:
+    """Where the filters have swung in and no motor is at a limit: of that a fit is made."""
+    told: NDArray[np.bool_] = part.free & (part.t > part.t[0] + SETTLING)
+    return told
+
+
 def _flown(log: Log) -> list[tuple[float, float]]:
     """s, begin and end of each stretch in the air without a gap of the gyro."""
     gyro = log.topics["vehicle_angular_velocity"].t
@@ -70,7 +76,7 @@ def _flown(log: Log) -> list[tuple[float, float]]:
     stood = None if landed is None else _held(landed, gyro)[:, 0] > 0.5
     if stood is not None:
         flying &= ~stood
-    for name in ("vehicle_rates_setpoint", "vehicle_attitude", "vehicle_local_position"):
+    for name in NEEDED:  # beyond its samples a topic says nothing
         t = log.topics[name].t
         flying &= (gyro > t[0]) & (gyro < t[-1])
     ends = np.flatnonzero(np.diff(flying.astype(int)) != 0) + 1
@@ -91,6 +97,8 @@ def _off_the_ground(log: Log, began: float, ended: float, took_off: bool, landed
     position = log.topics["vehicle_local_position"]
     within = (position.t >= began) & (position.t <= ended)
     t, down = position.t[within], position.x[within, 3]
+    if len(t) == 0:  # nothing says how high it was
+        return began, began
     thrust = np.abs(_held(log.topics["vehicle_thrust_setpoint"], t)[:, 0])
     carried = thrust > CARRIED * np.median(thrust)
     if took_off:

@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.identification.flight_data import SETTLING, STEP, Part
+from companion.identification.flight_data import STEP, Part, telling
 from companion.identification.least_squares import Array, fit
 from companion.identification.rate_fit import Found, blocks_of, first_order
-from companion.vehicle import GRAVITY
+from companion.vehicle import GRAVITY, CompanionError
 
 VERTICAL_STD, BIAS_STD = 0.15, 0.1
 """m/s^2: what is believed beforehand of a steady push from above, and of the bias."""
@@ -29,6 +29,9 @@ VOLTS_RANGE_MIN = 0.3
 """V between the 5th and 95th percentile from which on the battery's share is looked for."""
 SAMPLES = 4000
 """of the accelerometer are looked at, spread over the flight; more cost time and tell no more (engineering choice)."""
+SAMPLES_MIN = 20
+"""Number of them from which on anything is fitted. Engineering choice: 1 s by PX4's default profile, six times as many
+figures as there are unknowns."""
 FILTER_DELAY = np.sqrt(2.0) / (2.0 * np.pi)
 """Delay times cutoff of a second-order Butterworth low-pass."""
 
@@ -65,7 +68,7 @@ class _Data(NamedTuple):
 
 
 def fit_forces(parts: Sequence[Part], parameters: Mapping[str, float], motor_lag: Found) -> ForceFit:
-    """``motor_lag``: as the torques tell it."""
+    """``motor_lag``: as the torques tell it. CompanionError: too little of the flight tells."""
     data = _laid_end_to_end(parts)
     thrust = np.concatenate([part.thrust[k] for part, k in zip(parts, data.kept, strict=True)])
     spread = float(np.std(thrust) / np.mean(thrust))
@@ -130,8 +133,16 @@ def _made(u: Array, told: float, curve: float) -> Array:
 
 
 def _laid_end_to_end(parts: Sequence[Part]) -> _Data:
-    kept = [part.accelerometer_new & part.free & (part.t > part.t[0] + SETTLING) for part in parts]
-    every = max(1, sum(int(k.sum()) for k in kept) // SAMPLES)
+    kept = [part.accelerometer_new & telling(part) for part in parts]
+    count = sum(int(k.sum()) for k in kept)
+    if count < SAMPLES_MIN:
+        told, flown = (STEP * sum(map(len, each)) for each in ([p.t[telling(p)] for p in parts], [p.t for p in parts]))
+        raise CompanionError(
+            f"too little of the log tells anything: of {flown:.1f} s in the air the motors were off their limits for "
+            f"{told:.1f} s, with {count} samples of the accelerometer; {SAMPLES_MIN} are needed. Nothing was written. "
+            "Fly longer and gentler, half a minute at least, with SDLOG_PROFILE 25"
+        )
+    every = max(1, count // SAMPLES)
     kept = [k & (np.cumsum(k) % every == 0) for k in kept]
 
     def joined(name: str) -> Array:

@@ -58,7 +58,7 @@ class Findings(NamedTuple):
 
 
 def identify(log: Log) -> Findings:
-    """Everything that is found. CompanionError: the log holds no flight."""
+    """Everything that is found. CompanionError: the log holds no flight, or too little of it tells anything."""
     parts = flown_parts(log)
     cutoff = log.parameters.get("IMU_GYRO_CUTOFF", 40.0)
     roll, pitch, yaw = (fit_axis(parts, axis, cutoff) for axis in range(3))
@@ -69,7 +69,11 @@ def identify(log: Log) -> Findings:
 
 
 def _weighted(found: Sequence[Found]) -> Found:
-    """Their mean by their variances; where they differ by more than they believe, that is the standard deviation."""
+    """Their mean by their variances; where they differ by more than they believe, that is the standard deviation. What
+    was not found does not count."""
+    found = [f for f in found if f.is_found] or found[:1]
+    if not found[0].is_found:
+        return found[0]
     values, weights = np.array([f.value for f in found]), np.array([1.0 / max(f.std, 1e-6) ** 2 for f in found])
     mean = float(values @ weights / weights.sum())
     spread = float(np.sqrt(weights @ (values - mean) ** 2 / weights.sum()))
@@ -86,10 +90,7 @@ def words_of(found: Findings) -> list[str]:
         f"motor lag {_said(found.motor_lag, 1e3, 'ms')}",
     ]
     for name, axis in zip(AXES, found.axes, strict=True):
-        lines.append(
-            f"{name}: rate loop lag {_said(axis.lag, 1e3, 'ms')}, gain {_said(axis.gain, 1.0, '')}; a torque setpoint "
-            f"of 1 turns it by {_said(axis.authority, 1.0, 'rad/s^2')}"
-        )
+        lines.append(f"{name}: {_of_axis(axis)}")
     told = found.log.parameters.get("THR_MDL_FAC", 0.0)
     if f.curve is not None:
         lines.append(f"thrust curve {_said(f.curve, 1.0, '')} (THR_MDL_FAC {told:.2g})")
@@ -101,10 +102,23 @@ def words_of(found: Findings) -> list[str]:
     return lines
 
 
+def _of_axis(axis: AxisFit) -> str:
+    loop = f"rate loop lag {_said(axis.lag, 1e3, 'ms')}, gain {_said(axis.gain, 1.0, '')}"
+    if axis.authority.is_found:
+        return f"{loop}; a torque setpoint of 1 turns it by {_said(axis.authority, 1.0, 'rad/s^2')}"
+    return f"{loop}; what torque does: not found"
+
+
 def _said(found: Found, factor: float, unit: str) -> str:
+    if not found.is_found:
+        return "not found"
     value, std = factor * found.value, factor * found.std
     digits = max(0, 1 - math.floor(math.log10(max(std, 1e-9)))) if std < 10.0 else 0
     return f"{value:.{digits}f} +- {std:.{digits}f}" + (f" {unit}" if unit else "")
+
+
+def _briefly(found: Found) -> str:
+    return f"{found.value:.3g} +- {found.std:.2g}" if found.is_found else "not found"
 
 
 def better_log(found: Findings) -> list[str]:
@@ -148,18 +162,19 @@ def with_findings(base: Description, found: Findings, origin: tuple[str, ...]) -
         if what.relative < BELIEVED:
             entries[key] = Entry(float(f"{what.value:.{digits}g}"), Source.LOG, words)
         else:
-            kept.append(f"{key} ({what.value:.3g} +- {what.std:.2g})")
+            kept.append(f"{key} ({_briefly(what)})")
 
     f, (roll, pitch, yaw) = found.forces, found.axes
     take("hover_thrust", f.hover_thrust, f"+- {f.hover_thrust.std:.2g}, 0..1")
     take("motor_lag_s", found.motor_lag, f"+- {found.motor_lag.std:.2g} s", 3)
     lag = found.rate_loop_lag
-    words = f"+- {lag.std:.2g} s; roll {1e3 * roll.lag.value:.0f}, pitch {1e3 * pitch.lag.value:.0f} ms"
+    each = ", ".join(f"{name} {_said(axis.lag, 1e3, 'ms')}" for name, axis in zip(AXES, (roll, pitch), strict=False))
+    words = f"+- {lag.std:.2g} s; {each}"
     take("rate_loop_lag_s", lag, words, 3)
     if f.drag.std < max(BELIEVED * f.drag.value, 0.03):
         entries["drag_per_s"] = Entry(float(f"{max(f.drag.value, 0.0):.3g}"), Source.LOG, f"+- {f.drag.std:.2g} 1/s")
     else:
-        kept.append(f"drag_per_s ({f.drag.value:.3g} +- {f.drag.std:.2g})")
+        kept.append(f"drag_per_s ({_briefly(f.drag)})")
     hover = entries.get("hover_thrust")
     if hover is not None and max(roll.authority.relative, pitch.authority.relative, yaw.authority.relative) < BELIEVED:
         entries |= _turning(base, data, hover.value, found)

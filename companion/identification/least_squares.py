@@ -19,7 +19,7 @@ proportion to the value itself would be lost in rounding where the value is near
 
 
 class Fitted(NamedTuple):
-    """``values`` and their standard deviations ``std``."""
+    """``values`` and their standard deviations ``std``, infinite where the residuals do not know of the value."""
 
     values: Array
     std: Array
@@ -47,6 +47,7 @@ def fit(
     # few blocks say little of their spread: what white residuals would give is the least
     white = inverse * float(r @ r) / max(1, len(r) - len(found.x))
     std = np.sqrt(np.maximum(np.maximum(np.diag(covariance), np.diag(white)), 0.0))
+    std[~J.any(axis=0)] = np.inf
     return Fitted(np.asarray(found.x), std)
 
 

@@ -29,7 +29,7 @@ def picture(found: Findings) -> Figure:
         for what, column, colour, width in (
             ("asked", part.rates_setpoint[:, i], ASKED, 1.0),
             ("gyro", part.gyro[:, i], SEEN, 0.9),
-            ("model", axis.model[longest], MODEL, 1.3),
+            *((("model", axis.model[longest], MODEL, 1.3),) if axis.model else ()),
         ):
             axes.plot(t, np.degrees(column[shown]), color=colour, linewidth=width, label=what)
         axes.set_ylabel(f"{name} rate, deg/s", color=FAINT, fontsize=9)

@@ -10,13 +10,14 @@ the instruments being the setpoint of the last second), which noise is not.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.identification.flight_data import SETTLING, STEP, Part
+from companion.identification.flight_data import SETTLING, STEP, Part, telling
 from companion.identification.least_squares import Array, fit
 
 BLOCK = 2.0
@@ -29,15 +30,27 @@ LAG_RANGE, SECOND_RANGE, GAIN_RANGE = (0.005, 1.5), (0.002, 0.3), (0.5, 1.5)
 """s, s, 1: bounds of L, T, G."""
 AUTHORITY_RANGE, MOTOR_LAG_RANGE, DAMPING_RANGE = (0.5, 2000.0), (0.002, 0.2), (-2.0, 5.0)
 """rad/s^2, s, 1/s: bounds of B, tm, a."""
+TOLD_MIN = 3.0
+"""s of telling flight from which on an axis is fitted. Engineering choice: BAND lets 16 independent samples a second
+through, and less than 3 s of them are explained by 40 instruments whatever they are."""
+STARTS = ((1.0, 0.07, 0.04, 0.0), (1.0, 0.07, 0.04, 0.0), (1.0, 0.4, 0.08, 0.0))
+"""G, L (s), T (s), offset (rad/s) with which the search begins, roll, pitch, yaw (engineering choice: a usual loop)."""
+MOTOR_LAG_START = 0.03
+"""s with which the search for the motors' lag begins (engineering choice: 5 to 15 inches have 15 to 60 ms)."""
 OFFSET = 2.0
 """rad/s or rad/s^2: bound of the offsets."""
 
 
 class Found(NamedTuple):
-    """A value and its standard deviation."""
+    """A value and its standard deviation, which is infinite where the value was not found and only stands in for it."""
 
     value: float
     std: float
+
+    @property
+    def is_found(self) -> bool:
+        """Whether the log says anything of it."""
+        return math.isfinite(self.std)
 
     @property
     def relative(self) -> float:
@@ -45,10 +58,14 @@ class Found(NamedTuple):
         return abs(self.std / self.value) if self.value else float("inf")
 
 
+NO_TORQUE = Found(1.0, math.inf), Found(MOTOR_LAG_START, math.inf)
+"""rad/s^2 and s: authority and motor lag where neither was found."""
+
+
 class AxisFit(NamedTuple):
     """One axis. ``gain``, ``lag`` s: G, L of the loop. ``authority``: B, rad/s^2 of a torque setpoint
     of 1. ``motor_lag``: s. ``excitation``: rad/s, the standard deviation of the setpoint. ``model``: rad/s, of each
-    part, the loop's answer by the model."""
+    part, the loop's answer by the model; none where the loop was not found."""
 
     gain: Found
     lag: Found
@@ -60,8 +77,12 @@ class AxisFit(NamedTuple):
 
 def fit_axis(parts: Sequence[Part], axis: int, gyro_cutoff: float) -> AxisFit:
     """``axis``: 0 roll, 1 pitch, 2 yaw. ``gyro_cutoff``: Hz, of the gyro's low-pass (IMU_GYRO_CUTOFF), 0 for none."""
-    blocks, settled = blocks_of(parts), [part.free & (part.t > part.t[0] + SETTLING) for part in parts]
+    blocks, settled = blocks_of(parts), [telling(part) for part in parts]
     commands = [part.rates_setpoint[:, axis] for part in parts]
+    excitation = float(np.std(np.concatenate(commands)))
+    start = STARTS[axis]
+    if _seconds(settled) < TOLD_MIN:
+        return AxisFit(Found(start[0], math.inf), Found(start[1], math.inf), *NO_TORQUE, excitation, ())
     gyro = [part.gyro[:, axis] for part in parts]
 
     smooth = _low_pass(gyro_cutoff)
@@ -74,17 +95,19 @@ def fit_axis(parts: Sequence[Part], axis: int, gyro_cutoff: float) -> AxisFit:
         rows = zip(answered(theta), gyro, settled, strict=True)
         return np.concatenate([(model - seen)[kept] for model, seen, kept in rows])
 
-    slow = axis == 2
     loop = fit(
-        misses, np.concatenate([b[s] for b, s in zip(blocks, settled, strict=True)]),
-        (1.0, 0.4 if slow else 0.07, 0.08 if slow else 0.04, 0.0),
+        misses, np.concatenate([b[s] for b, s in zip(blocks, settled, strict=True)]), start,
         (GAIN_RANGE[0], LAG_RANGE[0], SECOND_RANGE[0], -OFFSET), (GAIN_RANGE[1], LAG_RANGE[1], SECOND_RANGE[1], OFFSET),
         (1.0, 0.1, 0.05, 0.1),
     )  # fmt: skip
     gain, lag = (Found(float(v), float(s)) for v, s in zip(loop.values[:2], loop.std[:2], strict=True))
     authority, motor_lag = _torque(parts, axis, gyro_cutoff, blocks, settled)
-    excitation = float(np.std(np.concatenate(commands)))
     return AxisFit(gain, lag, authority, motor_lag, excitation, tuple(answered(loop.values)))
+
+
+def _seconds(kept: Sequence[NDArray[np.bool_]]) -> float:
+    """s of the flight that are kept."""
+    return STEP * float(sum(np.count_nonzero(each) for each in kept))
 
 
 def blocks_of(parts: Sequence[Part]) -> list[NDArray[np.int64]]:
@@ -104,12 +127,14 @@ def _torque(
     """B and tm."""
     from scipy.signal import butter, lfilter
 
+    kept = [s & (part.t > part.t[0] + SETTLING + INSTRUMENT_LAGS[-1]) for part, s in zip(parts, settled, strict=True)]
+    if _seconds(kept) < TOLD_MIN:
+        return NO_TORQUE
     band, smooth = butter(2, BAND, "bandpass", fs=1.0 / STEP), _low_pass(gyro_cutoff)
     rates = [lfilter(*band, part.gyro[:, axis]) for part in parts]
     # the gyro is late by its own low-pass: the torque is made as late
     torques = [lfilter(*band, smooth(part.torque[:, axis])) for part in parts]
     instruments = [_lagged(lfilter(*band, part.rates_setpoint[:, axis])) for part in parts]
-    kept = [s & (part.t > part.t[0] + SETTLING + INSTRUMENT_LAGS[-1]) for part, s in zip(parts, settled, strict=True)]
     flat = np.concatenate([b[k] for b, k in zip(blocks, kept, strict=True)])
 
     def missing(theta: Array, turned: list[Array], twisted: list[Array]) -> Array:
@@ -126,7 +151,8 @@ def _torque(
         (AUTHORITY_RANGE[1], MOTOR_LAG_RANGE[1], DAMPING_RANGE[1]),
     )
     found = fit(
-        lambda theta: missing(theta, *explained), flat, (guess, 0.03, 0.0), low, high, (guess, 0.03, 1.0),
+        lambda theta: missing(theta, *explained), flat, (guess, MOTOR_LAG_START, 0.0), low, high,
+        (guess, MOTOR_LAG_START, 1.0),
         actual=lambda theta: missing(theta, rates, torques),
     )  # fmt: skip
     (b, tm, _), (b_std, tm_std, _) = found.values, found.std

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import gzip
 from pathlib import Path
 
@@ -18,33 +17,9 @@ from companion.identification.from_log import Findings, better_log, identify, un
 from companion.identification.rate_fit import Found, first_order
 from companion.identification.ulog import read
 from companion.vehicle import GRAVITY, CompanionError
+from tests.support.identified import TRUE, near
 from tests.support.ulog import Logger, logged, written
 from trials.measured import machine, world
-
-SIH_ACCELEROMETER = (0.5, 1.7, 1.4)
-"""m/s^2: what PX4's simulation adds while armed (px4_noisy.md)."""
-TRUE = {
-    "hover": 0.4905, "drag": 1.0, "motor_lag": 0.05, "loop_lag": 0.071, "authority": (113.14, 113.14, 13.33),
-}  # fmt: skip
-"""The stand-in's sih; the loop's lag was measured on PX4, which the stand-in is held to."""
-
-
-@pytest.fixture(scope="module")
-def log_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    where = dataclasses.replace(world("sih_noisy"), wind_n=(2.0, -1.0, 0.0))
-    file = tmp_path_factory.mktemp("log") / "flight.ulg"
-    return logged(file, machine("sih"), where, speed=3.5, duration=25.0, accelerometer_std=SIH_ACCELEROMETER)
-
-
-@pytest.fixture(scope="module")
-def found(log_file: Path) -> Findings:
-    with log_file.open("rb") as opened:
-        return identify(read(opened, log_file.name))
-
-
-def near(value: Found, true: float, within: float = 0.05) -> None:
-    assert value.value == pytest.approx(true, rel=within)
-    assert abs(value.value - true) < max(5.0 * value.std, 0.03 * true), f"{value} is surer than it is right ({true})"
 
 
 def test_what_it_was_flown_with_is_found_within_five_percent(found: Findings) -> None:
