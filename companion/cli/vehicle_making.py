@@ -16,7 +16,7 @@ from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import vehicle_from
 from companion.identification.description import Description, of_file
 from companion.identification.from_log import Findings, better_log, identify, with_findings, words_of
-from companion.identification.parameters import describe_parameters
+from companion.identification.parameters import describe_parameters, refuse_others
 from companion.identification.ulog import Log
 from companion.identification.ulog import read as read_log
 from companion.services.vehicle import NoVehicleHeardError, ServiceError, connect_vehicle
@@ -58,6 +58,7 @@ def from_log(
             log = read_log(opened, log_file.name)
     except OSError as error:
         raise ConfigError([Fault("LOG", 0, "", f"{log_file}: cannot be read: {error.strerror}")]) from None
+    base = _base(log, file, known, mass, arm)
     with busy(f"fitting {log_file.name}"):
         found = identify(log)
     for line in words_of(found):
@@ -67,7 +68,6 @@ def from_log(
         tell(f"a better log: {line}")
     if not advice:
         tell("every value could be taken from the log")
-    base = _base(log, file, known, mass, arm)
     origin = (f"Made by companion vehicle from-log on {datetime.date.today()}, of {log_file.name}: {log.identity}.",)
     code = keep(with_findings(base, found, origin), file)
     if plot is not None:
@@ -76,7 +76,9 @@ def from_log(
 
 
 def _base(log: Log, file: Path, known: str | None, mass: float | None, arm: float | None) -> Description:
-    """What the log's findings are written over."""
+    """What the log's findings are written over. CompanionError: the log is of another kind of vehicle; ConfigError: the
+    file that is known has faults."""
+    refuse_others(log.parameters)
     if known is None:
         return describe_parameters(log.parameters, name=file.stem, mass=mass, arm=arm)
     for option, given in (("--mass", mass), ("--arm", arm)):

@@ -46,7 +46,7 @@ def describe_parameters(
 ) -> Description:
     """A vehicle file of PX4's parameters. ``mass`` (kg) and ``arm`` (m, of the longest): as the user measured them.
     CompanionError: it is no quadrotor with upright rotors."""
-    _refuse_others(values)
+    refuse_others(values)
     entries: dict[str, Any] = {}
     places, place_words, place_source = _places(values, arm)
     length = max(math.hypot(x, y) for x, y, _ in places)
@@ -64,7 +64,8 @@ def describe_parameters(
     return Description(name, origin, entries, tuple(_notes(values)))
 
 
-def _refuse_others(values: Values) -> None:
+def refuse_others(values: Values) -> None:
+    """CompanionError: PX4's parameters are of no quadrotor with upright rotors."""
     count = values.get("CA_ROTOR_COUNT", 4)
     if values.get("CA_AIRFRAME", 0) not in (0, 15) or count != 4:
         raise CompanionError(

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from companion.cli.commands import main
+from companion.cli.commands import app, main
 from companion.identification.flight_data import SETTLING, flown_parts
 from companion.identification.from_log import Findings, better_log, identify, with_findings, words_of
 from companion.identification.parameters import describe_parameters
@@ -29,6 +30,25 @@ def saturated(found: Findings, telling: float) -> Log:
     """The flight of ``found`` with its motors at a limit but for ``telling`` s."""
     after = found.parts[0].t[0] + SETTLING + telling
     return changed(found.log, "vehicle_torque_setpoint", slice(0, 1), 2.0, after)
+
+
+def test_the_log_of_another_kind_of_vehicle_is_refused_before_the_fit_whatever_is_written_over(
+    log_file: Path, found: Findings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hexa = found.log._replace(parameters={**found.log.parameters, "CA_ROTOR_COUNT": 6.0})
+    monkeypatch.setattr("companion.cli.vehicle_making.read_log", lambda file, name: hexa)
+    monkeypatch.setattr("companion.cli.vehicle_making.identify", lambda log: pytest.fail("it was fitted"))
+    file = tmp_path / "mine.yaml"
+    file.write_text(Path("configs/vehicles/sih.yaml").read_text())
+    before = file.read_text()
+    for options in (
+        [str(tmp_path / "new.yaml")],
+        [str(file), "--force"],
+        [str(tmp_path / "new.yaml"), "--vehicle", "sih"],
+    ):
+        told = CliRunner().invoke(app, ["vehicle", "from-log", str(log_file), *options])
+        assert isinstance(told.exception, CompanionError) and "no quadrotor" in str(told.exception)
+    assert file.read_text() == before and list(tmp_path.iterdir()) == [file]
 
 
 def test_a_log_that_tells_too_little_is_refused_and_nothing_written(
