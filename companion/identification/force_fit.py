@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from companion.identification.flight_data import STEP, Part, telling
 from companion.identification.least_squares import Array, fit
-from companion.identification.rate_fit import Found, blocks_of, first_order
+from companion.identification.rate_fit import BLOCK, Found, blocks_of, first_order
 from companion.vehicle import GRAVITY, CompanionError
 
 VERTICAL_STD, BIAS_STD = 0.15, 0.1
@@ -27,6 +27,11 @@ CURVE_RANGE_MIN = 0.12
 """Standard deviation of the thrust over its mean from which on a curve is looked for."""
 VOLTS_RANGE_MIN = 0.3
 """V between the 5th and 95th percentile from which on the battery's share is looked for."""
+VOLTS_WINDOW = 8.0
+"""s over which the voltage is averaged. It falls by 0.2 to 0.4 V whenever the motors pull (a QAV250's logs): that is no
+battery that empties, and hides one (engineering choice)."""
+SLOW_ERROR = 0.01
+"""Ratio of the thrust by which a VOLTS_WINDOW may err as a whole: a QAV250's residuals average to 1 to 2 % over 4 s."""
 SAMPLES = 4000
 """of the accelerometer are looked at, spread over the flight; more cost time and tell no more (engineering choice)."""
 SAMPLES_MIN = 20
@@ -57,7 +62,7 @@ class ForceFit(NamedTuple):
 
 
 class _Data(NamedTuple):
-    """The parts laid end to end, at the accelerometer's samples."""
+    """The parts laid end to end, at the accelerometer's samples. ``volts``: averaged over VOLTS_WINDOW."""
 
     kept: list[NDArray[np.bool_]]
     force: Array
@@ -116,8 +121,8 @@ def fit_forces(parts: Sequence[Part], parameters: Mapping[str, float], motor_lag
         found = fit(misses, blocks, found.values.tolist(), low, high, scale)
     each = [Found(float(v), float(s)) for v, s in zip(found.values, found.std, strict=True)]
     return ForceFit(
-        each[0], each[1], each[2], each[3] if curved else None, each[4] if has_volts else None, mean_volts,
-        found.values[5:8], spread, float(np.sqrt(np.mean(np.sum(data.v_n**2, axis=1)))),
+        each[0], each[1], each[2], each[3] if curved else None, _per_volt(each[4], data) if has_volts else None,
+        mean_volts, found.values[5:8], spread, float(np.sqrt(np.mean(np.sum(data.v_n**2, axis=1)))),
         np.concatenate([part.t[k] for part, k in zip(parts, data.kept, strict=True)]), data.force, model(found.values),
     )  # fmt: skip
 
@@ -149,7 +154,23 @@ def _laid_end_to_end(parts: Sequence[Part]) -> _Data:
         return np.concatenate([getattr(part, name)[k] for part, k in zip(parts, kept, strict=True)])
 
     blocks = np.concatenate([b[k] for b, k in zip(blocks_of(parts), kept, strict=True)])
-    return _Data(kept, joined("accelerometer"), joined("r_nb"), joined("v_n"), joined("volts"), blocks)
+    volts = np.concatenate([_averaged(part.volts)[k] for part, k in zip(parts, kept, strict=True)])
+    return _Data(kept, joined("accelerometer"), joined("r_nb"), joined("v_n"), volts, blocks)
+
+
+def _averaged(volts: Array) -> Array:
+    """The mean over VOLTS_WINDOW about each step of the grid, as far as there are steps."""
+    half, steps = round(0.5 * VOLTS_WINDOW / STEP), np.arange(len(volts))
+    first, last = np.maximum(steps - half, 0), np.minimum(steps + half + 1, len(volts))
+    total = np.concatenate([[0.0], np.cumsum(volts)])
+    averaged: Array = (total[last] - total[first]) / (last - first)
+    return averaged
+
+
+def _per_volt(found: Found, data: _Data) -> Found:
+    """With the doubt that slow errors of the thrust leave, of which the blocks know nothing."""
+    windows = max(1.0, BLOCK * len(np.unique(data.blocks)) / VOLTS_WINDOW)
+    return Found(found.value, float(np.hypot(found.std, SLOW_ERROR / (np.std(data.volts) * np.sqrt(windows)))))
 
 
 def _correlated(residuals: Array, data: _Data) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from companion.identification.description import Description, Entry, Source
 from companion.identification.flight_data import STEP, Part, flown_parts
-from companion.identification.force_fit import CURVE_RANGE_MIN, VOLTS_RANGE_MIN, ForceFit, fit_forces
+from companion.identification.force_fit import CURVE_RANGE_MIN, ForceFit, fit_forces
 from companion.identification.rate_fit import AxisFit, Found, fit_axis
 from companion.identification.ulog import Log
 from companion.px4_allocation import normalised_mix
@@ -30,6 +30,11 @@ FLOWN_WANTED = 25.0
 TOLD_FROM = 3.0
 """Standard deviations from which on a figure that may well be none is told as found. Engineering choice: on PX4's
 simulation, whose thrust knows no battery, the thrust a volt came out at -1.8 to 2.6 of them."""
+BATTERY_SIGN = 0.05
+"""1/V of the thrust. Only a flight that excludes it says that the thrust knows no battery. Engineering choice: half of
+what the hover thrusts of a QAV250 with 4 cells show from flight to flight, 9 %."""
+VOLTS_WANTED = 1.0
+"""V in one flight: from here on the battery's share stands out of the thrust's slow errors (engineering choice)."""
 PERIOD_WANTED = 0.008
 """s between two samples of the gyro and of the setpoints: motors of 15 ms are hardly seen with 20."""
 YAW_INERTIA = 0.9
@@ -97,9 +102,19 @@ def words_of(found: Findings) -> list[str]:
         if abs(f.curve.value - told) > max(2.0 * f.curve.std, 0.1):
             lines.append(f"  THR_MDL_FAC {f.curve.value:.2g} would make thrust linear in the command")
     if f.per_volt is not None:
-        doubt = "" if f.per_volt.value > TOLD_FROM * f.per_volt.std else ": no sign of the battery in the thrust"
-        lines.append(f"thrust per volt {_said(f.per_volt, 100.0, '%')} about {f.volts:.1f} V{doubt}")
+        lines.append(f"thrust per volt {_said(f.per_volt, 100.0, '%')} about {f.volts:.1f} V{_doubt(f.per_volt)}")
     return lines
+
+
+def _doubt(per_volt: Found) -> str:
+    if _tells_battery(per_volt):
+        return "" if per_volt.value > TOLD_FROM * per_volt.std else ": no sign of the battery in the thrust"
+    return ": this flight does not tell"
+
+
+def _tells_battery(per_volt: Found) -> bool:
+    """Whether the battery's share of the thrust is found, or found to be none."""
+    return per_volt.value > TOLD_FROM * per_volt.std or per_volt.value + 2.0 * per_volt.std < BATTERY_SIGN
 
 
 def _of_axis(axis: AxisFit) -> str:
@@ -143,8 +158,8 @@ def better_log(found: Findings) -> list[str]:
             f"climb and sink briskly: thrust moved by {100.0 * found.forces.thrust_spread:.0f} %, "
             f"{100.0 * CURVE_RANGE_MIN:.0f} are needed to see the thrust curve (THR_MDL_FAC)"
         )
-    if found.forces.per_volt is None:
-        advice.append(f"fly the battery down by {VOLTS_RANGE_MIN:g} V and more, to see what it does to the thrust")
+    if found.forces.per_volt is None or not _tells_battery(found.forces.per_volt):
+        advice.append(f"fly the battery down by {VOLTS_WANTED:g} V and more, to see what it does to the thrust")
     if found.free < 0.8:
         advice.append(f"fly gentler: motors were at their limits for {100.0 * (1.0 - found.free):.0f} % of the time")
     if found.log.lost > 0.1:

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from companion.cli.commands import app
 from companion.config.vehicle import load_vehicle
-from companion.identification.flight_data import STEP, Part
+from companion.identification.flight_data import STEP, Array, Part
 from companion.identification.force_fit import fit_forces
 from companion.identification.from_log import Findings, better_log, identify, unit_torques, words_of
 from companion.identification.rate_fit import Found, first_order
@@ -116,30 +116,51 @@ def test_a_short_slow_log_is_told_what_it_lacks(tmp_path: Path) -> None:
     assert any(line.startswith("motor lag") for line in words_of(found))
     for name in ("vehicle_angular_velocity", "vehicle_rates_setpoint"):  # each with its own
         assert f"{name} came every {1e3 * found.log.topics[name].period:.0f} ms" in said
-    for per_volt, doubted in ((Found(-0.031, 0.018), True), (Found(0.042, 0.016), True), (Found(0.06, 0.005), False)):
+    for per_volt, said in (
+        (Found(-0.031, 0.018), ": no sign of the battery in the thrust"), (Found(0.06, 0.005), ""),
+        (Found(0.042, 0.016), ": this flight does not tell"), (Found(-0.01, 0.04), ": this flight does not tell"),
+    ):  # fmt: skip
         with_battery = found._replace(forces=found.forces._replace(per_volt=per_volt))
         (line,) = [line for line in words_of(with_battery) if line.startswith("thrust per volt")]
-        assert ("no sign of the battery" in line) is doubted
+        assert line.split(" V", 1)[1] == said
+        advised = any("fly the battery down" in line for line in better_log(with_battery))
+        assert advised is ("does not tell" in said)
+
+
+def hovered(volts: Array, per_volt: float, thrust_std: float, curve: float) -> Part:
+    """40 s level, thrust moving up and down, on a battery of which thrust knows the voltage without its ripple."""
+    rng = np.random.default_rng(3)
+    n = 10_000
+    thrust = np.clip(0.5 + first_order(rng.normal(0.0, thrust_std, n), 0.3), 0.15, 0.9)
+    lifted = GRAVITY * (curve * thrust**2 + (1.0 - curve) * thrust) / (curve * 0.45**2 + (1.0 - curve) * 0.45)
+    force = np.zeros((n, 3))
+    force[:, 2] = -first_order(lifted, 0.03, lifted[0]) * (1.0 + per_volt * (volts - volts.mean()))
+    force[:, 2] += rng.normal(0.0, 0.5, n)
+    level = np.broadcast_to(np.eye(3), (n, 3, 3))
+    still, yes = np.zeros((n, 3)), np.ones(n, dtype=bool)
+    # the motors pull at it, and PX4 measures it every 0.2 s
+    pulled = np.repeat(rng.uniform(-0.4, 0.4, n // 50), 50)
+    return Part(STEP * np.arange(n), still, still, still, thrust, force, yes, level, still, volts + pulled, yes)
+
+
+EMPTYING = np.linspace(16.0, 14.5, 10_000)
+"""V: 1.5 in 40 s."""
 
 
 def test_thrust_curve_and_battery_are_found() -> None:
-    rng = np.random.default_rng(3)
-    n = 10_000
-    t = STEP * np.arange(n)
-    thrust = np.clip(0.5 + first_order(rng.normal(0.0, 2.5, n), 0.3), 0.15, 0.9)
-    volts = np.linspace(16.0, 14.5, n)
-    lifted = GRAVITY * (0.3 * thrust**2 + 0.7 * thrust) / (0.3 * 0.45**2 + 0.7 * 0.45)
-    force = np.zeros((n, 3))
-    force[:, 2] = -first_order(lifted, 0.03, lifted[0]) * (1.0 + 0.06 * (volts - volts.mean())) + rng.normal(
-        0.0, 0.5, n
-    )
-    level = np.broadcast_to(np.eye(3), (n, 3, 3))
-    still, yes = np.zeros((n, 3)), np.ones(n, dtype=bool)
-    part = Part(t, still, still, still, thrust, force, yes, level, still, volts, yes)
-    found = fit_forces([part], {"IMU_ACCEL_CUTOFF": 1e6}, Found(0.03, 0.005))
+    found = fit_forces([hovered(EMPTYING, 0.06, 2.5, 0.3)], {"IMU_ACCEL_CUTOFF": 1e6}, Found(0.03, 0.005))
     assert found.curve is not None and found.per_volt is not None
     near(found.hover_thrust, 0.45)
     assert found.curve.value == pytest.approx(0.3, abs=0.05) and found.per_volt.value == pytest.approx(0.06, rel=0.1)
+    assert found.per_volt.std < 0.015
+
+
+def test_a_voltage_that_only_jumps_with_the_load_tells_nothing_of_the_battery() -> None:
+    for range_v, tells in ((0.0, False), (0.2, False), (1.5, True)):
+        volts = np.linspace(16.0, 16.0 - range_v, 10_000)
+        found = fit_forces([hovered(volts, 0.0, 0.5, 0.0)], {"IMU_ACCEL_CUTOFF": 1e6}, Found(0.03, 0.005))
+        assert (found.per_volt is not None) is tells
+    assert found.per_volt is not None and abs(found.per_volt.value) < 2.0 * found.per_volt.std < 0.03
 
 
 def test_what_is_no_log_is_refused(tmp_path: Path) -> None:
