@@ -8,6 +8,7 @@ from companion.identification.description import Description, Source
 from companion.identification.from_log import SPEED_WANTED, Findings, better_log, with_findings
 from companion.identification.parameters import describe_parameters
 from companion.identification.rate_fit import Found
+from companion.identification.ulog import Series
 
 
 @pytest.fixture
@@ -31,3 +32,29 @@ def test_drag_of_a_slow_flight_stays_as_it_was(base: Description, found: Finding
         assert file.data["drag_per_s"] == (0.3 if taken else base.data["drag_per_s"])
         assert (file.entries["drag_per_s"].source is Source.LOG) is taken
         assert ("drag_per_s (0.3 +- 0.01; 0.5 m/s RMS, 2.5 tell it)" in kept_line(file.text)) is not taken
+
+
+@pytest.mark.parametrize(
+    ("every", "excitation", "lag", "said"),
+    [
+        (1, 0.5, 0.05, ""),
+        (5, 0.5, 0.03, "0.03 +- 0.0012; samples every 20 ms tell none under 50 ms"),
+        (5, 0.5, 0.055, ""),
+        (1, 0.08, 0.05, "0.05 +- 0.0012; roll or pitch moved by 0.08 rad/s RMS, 0.15 tell it"),
+    ],
+)
+def test_a_motor_lag_that_the_log_cannot_tell_stays_as_it_was(
+    base: Description, found: Findings, every: int, excitation: float, lag: float, said: str
+) -> None:
+    """PX4's default profile logs the gyro every 20 ms: a fit of that is surer than it is right."""
+    t, x = found.log.topics["vehicle_angular_velocity"]
+    thinned = Series(t[::every], x[::every])
+    roll, pitch, yaw = (axis._replace(motor_lag=Found(lag, 0.002)) for axis in found.axes)
+    flight = found._replace(
+        log=found.log._replace(topics={**found.log.topics, "vehicle_angular_velocity": thinned}),
+        axes=(roll._replace(excitation=excitation), pitch, yaw),
+        forces=found.forces._replace(motor_lag=Found(lag, 0.002)),
+    )
+    file = with_findings(base, flight, ())
+    assert f"motor_lag_s ({said})" in kept_line(file.text) if said else "motor_lag_s" not in kept_line(file.text)
+    assert file.data["motor_lag_s"] == (base.data["motor_lag_s"] if said else lag)
