@@ -6,7 +6,7 @@ import datetime
 from pathlib import Path
 
 from companion.cli.check import plottable
-from companion.cli.finish import COMPLETED, NO_VEHICLE, refuse
+from companion.cli.finish import BAD_INPUT, COMPLETED, NO_VEHICLE, refuse
 from companion.cli.terminal import busy, say, tell, warn
 from companion.cli.writing import writable, write
 from companion.config.json_schemas import editor_line
@@ -102,16 +102,21 @@ def _draw(found: Findings, plot: Path) -> None:
 
 
 def keep(found: Description, file: Path) -> int:
-    """Write a vehicle file and say what is open; the exit code."""
+    """Write a vehicle file and say what is open; the exit code. What would not load is never written over anything."""
     text = editor_line("vehicle.schema.json") + found.text
+    old = file.exists()
+    try:
+        vehicle_from(parse(text, f"new {file}" if old else str(file)))
+    except ConfigError as error:
+        if old:
+            warn(f"{file} is left as it was; what was to be written cannot all be true:\n{error}")
+        else:
+            write(file, text)
+            warn(f"{file}: written, but it cannot all be true; correct it before it is flown:\n{error}")
+        return BAD_INPUT
     write(file, text)
     tell(f"{file}: written")
     if found.unmeasured:
         tell(f"to be measured by you: {', '.join(found.unmeasured)} (marked MEASURE in the file)")
-    try:
-        vehicle_from(parse(text, str(file)))
-    except ConfigError as error:
-        warn(f"the file holds what cannot all be true; correct it before it is flown:\n{error}")
-        return COMPLETED
     tell(f"next: companion check circle_r5 --vehicle {file}")
     return COMPLETED

@@ -17,9 +17,13 @@ STEP_OF_SCALE = 1e-4
 """Ratio to a parameter's scale: how far it is moved to see what the residuals do (engineering choice). A step in
 proportion to the value itself would be lost in rounding where the value is near 0."""
 
+AT_BOUND = 1e-3
+"""Ratio to a parameter's scale: nearer to a bound than this the search was stopped by it (engineering choice)."""
+
 
 class Fitted(NamedTuple):
-    """``values`` and their standard deviations ``std``, infinite where the residuals do not know of the value."""
+    """``values`` and their standard deviations ``std``, infinite where a value was not found: where the residuals do
+    not know of it, or want it beyond its bounds."""
 
     values: Array
     std: Array
@@ -47,7 +51,8 @@ def fit(
     # few blocks say little of their spread: what white residuals would give is the least
     white = inverse * float(r @ r) / max(1, len(r) - len(found.x))
     std = np.sqrt(np.maximum(np.maximum(np.diag(covariance), np.diag(white)), 0.0))
-    std[~J.any(axis=0)] = np.inf
+    room = np.minimum(found.x - np.asarray(low), np.asarray(high) - found.x)
+    std[~J.any(axis=0) | (room < AT_BOUND * np.asarray(scale))] = np.inf
     return Fitted(np.asarray(found.x), std)
 
 

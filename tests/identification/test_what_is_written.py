@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
+from pathlib import Path
+
 import pytest
 
-from companion.identification.description import Description, Source
+from companion.cli.finish import BAD_INPUT, COMPLETED
+from companion.cli.vehicle_making import keep
+from companion.identification.description import Description, Entry, Source
 from companion.identification.from_log import SPEED_WANTED, Findings, better_log, with_findings
 from companion.identification.parameters import describe_parameters
 from companion.identification.rate_fit import Found
@@ -58,3 +64,30 @@ def test_a_motor_lag_that_the_log_cannot_tell_stays_as_it_was(
     file = with_findings(base, flight, ())
     assert f"motor_lag_s ({said})" in kept_line(file.text) if said else "motor_lag_s" not in kept_line(file.text)
     assert file.data["motor_lag_s"] == (base.data["motor_lag_s"] if said else lag)
+
+
+def test_a_file_that_would_not_load_is_not_written_over_another(
+    base: Description, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    slow = dataclasses.replace(base, entries={**base.entries, "rate_loop_lag_s": Entry(1.26, Source.LOG, "+- 0.09 s")})
+    file = tmp_path / "mine.yaml"
+    assert keep(slow, file) == BAD_INPUT
+    assert "written, but it cannot all be true; correct it" in capsys.readouterr().err
+    assert "rate_loop_lag_s: 1.26" in file.read_text()  # to be corrected by hand
+    assert keep(base, file) == COMPLETED
+    before = file.read_text()
+    assert keep(slow, file) == BAD_INPUT
+    said = capsys.readouterr().err
+    assert "is left as it was" in said and "rate_loop_lag_s: 1.26 is too large" in said
+    assert file.read_text() == before
+
+
+def test_a_value_at_its_bound_stays_as_it_was(base: Description, found: Findings) -> None:
+    beyond = Found(1.5, math.inf)
+    roll, pitch, yaw = (axis._replace(lag=beyond) for axis in found.axes)
+    one = with_findings(base, found._replace(axes=(roll, found.axes[1], yaw)), ())
+    assert one.data["rate_loop_lag_s"] == pytest.approx(found.axes[1].lag.value, rel=0.01)
+    assert "roll not found" in one.text
+    none = with_findings(base, found._replace(axes=(roll, pitch, yaw)), ())
+    assert none.data["rate_loop_lag_s"] == base.data["rate_loop_lag_s"]
+    assert "rate_loop_lag_s (not found)" in kept_line(none.text)
