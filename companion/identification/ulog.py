@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
@@ -25,6 +25,10 @@ FIELDS: dict[str, tuple[str, ...]] = {
 """What is read of each topic; units and frames are PX4's (rad/s, m/s^2, FRD; m/s, m, NED; torque and thrust 0..1)."""
 NEEDED = tuple(name for name in FIELDS if name not in ("vehicle_land_detected", "battery_status"))
 """Without these nothing can be found."""
+SETPOINTS = ("vehicle_torque_setpoint", "vehicle_thrust_setpoint")
+"""What the mixer was asked for; before SETPOINTS_SINCE PX4 logged actuator_controls_0 instead."""
+SETPOINTS_SINCE = 0x010E0000
+"""Number: PX4 1.14, as ver_sw_release (the logs of 1.12 and 1.13 that were looked at have none)."""
 
 
 class Series(NamedTuple):
@@ -67,11 +71,26 @@ def read(file: BinaryIO, name: str) -> Log:
                 topics[data.name] = series
     missing = [each for each in NEEDED if each not in topics]
     if missing:
-        raise CompanionError(
-            f"{name} lacks {', '.join(missing)}; log with SDLOG_PROFILE 25 (default, system identification, high rate)"
-        )
+        raise CompanionError(f"{name} {_lacking(missing, log.msg_info_dict, list(log.message_formats))}")
     parameters = {str(key): float(value) for key, value in log.initial_parameters.items()}
     return Log(topics, parameters, _identity(log.msg_info_dict), sum(each.duration for each in log.dropouts) / 1000.0)
+
+
+def _lacking(missing: Sequence[str], told: Mapping[str, Any], formats: Sequence[str]) -> str:
+    """What is to be said of a log without the topics ``missing``, and what to do. ``formats``: of its messages."""
+    system = told.get("sys_name", "PX4")
+    if system != "PX4" or not any(each.startswith("vehicle_") for each in formats):
+        writer = f"it was written by {system}" if system != "PX4" else "it has no vehicle_* topics"
+        return f"is no log of PX4's flight: {writer}. Give a log that PX4 wrote (companion vehicle log fetches it)"
+    release = told.get("ver_sw_release")
+    old = isinstance(release, int) and release < SETPOINTS_SINCE
+    if set(missing) & set(SETPOINTS) and (old or any(each.startswith("actuator_controls") for each in formats)):
+        version = f"PX4 {_version(release)}" if isinstance(release, int) and release else "an old PX4"
+        return (
+            f"is of {version}: before 1.14 PX4 logs no torque and thrust setpoints, and nothing can be fitted. "
+            "companion vehicle from --connect LINK writes a vehicle file from PX4's parameters"
+        )
+    return f"lacks {', '.join(missing)}; log with SDLOG_PROFILE 25 (default, system identification, high rate)"
 
 
 def _series(data: Mapping[str, Any], fields: tuple[str, ...], begin: int) -> Series | None:
@@ -91,12 +110,14 @@ def _series(data: Mapping[str, Any], fields: tuple[str, ...], begin: int) -> Ser
 
 def _identity(told: Mapping[str, Any]) -> str:
     release = told.get("ver_sw_release")
-    version = "of unknown version" if not isinstance(release, int) else ".".join(
-        str(release >> shift & 0xFF) for shift in (24, 16, 8)
-    )  # fmt: skip
+    version = _version(release) if isinstance(release, int) else "of unknown version"
     parts = [f"PX4 {version}"]
     if "ver_sw" in told:
         parts.append(f"git {str(told['ver_sw'])[:10]}")
     if "sys_uuid" in told:
         parts.append(f"uid {told['sys_uuid']}")
     return ", ".join(parts)
+
+
+def _version(release: int) -> str:
+    return ".".join(str(release >> shift & 0xFF) for shift in (24, 16, 8))

@@ -13,9 +13,10 @@ from companion.identification.flight_data import SETTLING, flown_parts
 from companion.identification.from_log import Findings, better_log, identify, with_findings, words_of
 from companion.identification.parameters import describe_parameters
 from companion.identification.picture import picture
-from companion.identification.ulog import Log, Series
+from companion.identification.ulog import Log, Series, read
 from companion.vehicle import CompanionError
 from tests.support.identified import TRUE, near
+from tests.support.ulog import written
 
 
 def changed(log: Log, name: str, columns: slice, value: float, after: float) -> Log:
@@ -101,3 +102,32 @@ def test_where_no_topic_or_no_height_is_nothing_was_flown(found: Findings) -> No
     ends = np.array([0, len(t) - 1])
     with pytest.raises(CompanionError, match="no 5 s of flight"):
         flown_parts(found.log._replace(topics={**found.log.topics, "vehicle_local_position": Series(t[ends], x[ends])}))
+
+
+@pytest.mark.parametrize(
+    ("topics", "release", "system", "words"),
+    [
+        (
+            ("vehicle_attitude", "vehicle_rates_setpoint"),
+            0x010C03FF,
+            "PX4",
+            "is of PX4 1.12.3: before 1.14 PX4 logs no",
+        ),
+        (("vehicle_attitude", "actuator_controls_0"), 0, "PX4", "vehicle from --connect LINK writes a vehicle file"),
+        (("vehicle_attitude",), 0x010E00FF, "PX4", "lacks vehicle_angular_velocity, .*SDLOG_PROFILE 25"),
+        (("cell",), 0x010E00FF, "PX4", "no log of PX4's flight: it has no vehicle_. topics. Give a log that PX4 wrote"),
+        (("vehicle_attitude",), 0x010E00FF, "Copter", "no log of PX4's flight: it was written by Copter"),
+    ],
+)
+def test_a_log_that_cannot_be_fitted_says_why_and_what_to_do(
+    tmp_path: Path, topics: tuple[str, ...], release: int, system: str, words: str
+) -> None:
+    widths = {"actuator_controls_0": 8, "vehicle_attitude": 5, "cell": 1}
+    rows = {name: [(i, (0.0,) * widths.get(name, 3)) for i in range(3)] for name in topics}
+    for name in rows:
+        if name == "vehicle_attitude":
+            rows[name] = [(i, (i, 1.0, 0.0, 0.0, 0.0)) for i in range(3)]
+    file = written(tmp_path / "poor.ulg", rows, {}, release, system)
+    with file.open("rb") as opened, pytest.raises(CompanionError, match=words) as refused:
+        read(opened, file.name)
+    assert ("SDLOG_PROFILE" in str(refused.value)) is ("SDLOG_PROFILE" in words)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from companion.daemon.conductor import Conductor
 from companion.frames import Vec3, rotation_matrix
+from companion.identification.ulog import FIELDS
 from companion.vehicle import GRAVITY, OutputLevel, Vehicle
 from companion.world import World
 from sim_bridge.autopilot.parameters import of
@@ -29,6 +30,8 @@ FORMATS = {
     "vehicle_local_position": ("float vx", "float vy", "float vz", "float z"),
     "vehicle_land_detected": ("bool landed",),
     "battery_status": ("float voltage_v",),
+    "actuator_controls_0": ("float[8] control",),
+    "cell": ("float voltage",),
 }
 """As in PX4's .msg files, without the fields that nobody reads here."""
 CUTOFFS = {"gyro": 40.0, "accelerometer": 30.0}
@@ -40,9 +43,10 @@ Row = tuple[int, Sequence[float]]
 
 
 def written(
-    file: Path, topics: Mapping[str, Sequence[Row]], parameters: Mapping[str, float], release: int = 0x011000FF
-) -> Path:
-    """A ULog with these messages, of a PX4 of this ``release``."""
+    file: Path, topics: Mapping[str, Sequence[Row]], parameters: Mapping[str, float], release: int = 0x011000FF,
+    system: str = "PX4", hardware: str = "PX4_FMU_V6X",
+) -> Path:  # fmt: skip
+    """A ULog with these messages, of a PX4 of this ``release`` on this ``hardware``."""
     out = bytearray(MAGIC + struct.pack("<Q", 0))
 
     def message(kind: str, body: bytes) -> None:
@@ -52,7 +56,10 @@ def written(
     for name in topics:
         fields = ";".join(("uint64_t timestamp", *FORMATS[name]))
         message("F", f"{name}:{fields};".encode())
-    for key, value in (("char[5] sys_uuid", b"00abc"), ("uint32_t ver_sw_release", struct.pack("<I", release))):
+    for key, value in (
+        ("char[5] sys_uuid", b"00abc"), ("uint32_t ver_sw_release", struct.pack("<I", release)),
+        (f"char[{len(system)}] sys_name", system.encode()), (f"char[{len(hardware)}] ver_hw", hardware.encode()),
+    ):  # fmt: skip
         message("I", bytes([len(key)]) + key.encode() + value)
     for name, number in parameters.items():
         key = f"{'int32_t' if isinstance(number, int) else 'float'} {name}".encode()
@@ -76,7 +83,7 @@ class Logger:
 
     every: Mapping[str, int] = field(default_factory=dict)
     accelerometer_std: Vec3 = (0.0, 0.0, 0.0)
-    topics: dict[str, list[Row]] = field(default_factory=lambda: {name: [] for name in FORMATS})
+    topics: dict[str, list[Row]] = field(default_factory=lambda: {name: [] for name in FIELDS})
     bridge: Bridge | None = None
     torque: Vec3 = (0.0, 0.0, 0.0)
     thrust: float = 0.0
