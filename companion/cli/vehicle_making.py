@@ -15,7 +15,7 @@ from companion.config.syntax.faults import ConfigError, Fault
 from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import vehicle_from
 from companion.identification.description import Description, of_file
-from companion.identification.from_log import Findings, better_log, identify, with_findings, words_of
+from companion.identification.from_log import Findings, better_log, identify, simulator_words, with_findings, words_of
 from companion.identification.parameters import describe_parameters, refuse_others
 from companion.identification.ulog import Log
 from companion.identification.ulog import read as read_log
@@ -61,15 +61,16 @@ def from_log(
     base = _base(log, file, known, mass, arm)
     with busy(f"fitting {log_file.name}"):
         found = identify(log)
-    for line in words_of(found):
+    simulated = simulator_words(log)
+    for line in (*simulated, *words_of(found)):
         tell(f"  {line}")
     advice = better_log(found)
     for line in advice:
         tell(f"a better log: {line}")
     if not advice:
         tell("every value could be taken from the log")
-    origin = (f"Made by companion vehicle from-log on {datetime.date.today()}, of {log_file.name}: {log.identity}.",)
-    code = keep(with_findings(base, found, origin), file)
+    made = f"Made by companion vehicle from-log on {datetime.date.today()}, of {log_file.name}: {log.identity}."
+    code = keep(with_findings(base, found, (made, *simulated)), file)
     if plot is not None:
         _draw(found, plot)
     return code

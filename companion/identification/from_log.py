@@ -89,6 +89,12 @@ def _weighted(found: Sequence[Found]) -> Found:
     return Found(mean, max(spread, float(weights.sum() ** -0.5)))
 
 
+def simulator_words(log: Log) -> tuple[str, ...]:
+    """What is said of a log that no vehicle flew: nothing of another."""
+    told = "The log is of a simulator ({}): its figures are the simulator's, not your vehicle's."
+    return (told.format(log.simulator),) if log.simulator else ()
+
+
 def words_of(found: Findings) -> list[str]:
     """What was found, a line each, with its standard deviation."""
     f = found.forces

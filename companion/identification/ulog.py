@@ -29,6 +29,8 @@ SETPOINTS = ("vehicle_torque_setpoint", "vehicle_thrust_setpoint")
 """What the mixer was asked for; before SETPOINTS_SINCE PX4 logged actuator_controls_0 instead."""
 SETPOINTS_SINCE = 0x010E0000
 """Number: PX4 1.14, as ver_sw_release (the logs of 1.12 and 1.13 that were looked at have none)."""
+SIMULATED_AIRFRAMES = (1001, 1002, 1100, 1101, 1102, 1103)
+"""Number: SYS_AUTOSTART of PX4's airframes for a simulator in the loop (HIL) and on the board (SIH)."""
 
 
 class Series(NamedTuple):
@@ -45,12 +47,23 @@ class Series(NamedTuple):
 
 class Log(NamedTuple):
     """``topics``: by name. ``parameters``: at the beginning. ``identity``: what PX4 says it is. ``lost``: s of
-    dropouts."""
+    dropouts. ``hardware``: PX4's name of its board, empty where the log does not say."""
 
     topics: Mapping[str, Series]
     parameters: Mapping[str, float]
     identity: str
     lost: float
+    hardware: str
+
+    @property
+    def simulator(self) -> str:
+        """By what the log is known to be of a simulator; empty where it is of a vehicle."""
+        if self.hardware.endswith("SITL"):
+            return self.hardware
+        in_the_loop, airframe = self.parameters.get("SYS_HITL", 0.0), self.parameters.get("SYS_AUTOSTART", 0.0)
+        if in_the_loop > 0.0:
+            return f"SYS_HITL {in_the_loop:g}"
+        return f"SYS_AUTOSTART {airframe:g}" if airframe in SIMULATED_AIRFRAMES else ""
 
 
 def read(file: BinaryIO, name: str) -> Log:
@@ -73,7 +86,8 @@ def read(file: BinaryIO, name: str) -> Log:
     if missing:
         raise CompanionError(f"{name} {_lacking(missing, log.msg_info_dict, list(log.message_formats))}")
     parameters = {str(key): float(value) for key, value in log.initial_parameters.items()}
-    return Log(topics, parameters, _identity(log.msg_info_dict), sum(each.duration for each in log.dropouts) / 1000.0)
+    told, lost = log.msg_info_dict, sum(each.duration for each in log.dropouts) / 1000.0
+    return Log(topics, parameters, _identity(told), lost, str(told.get("ver_hw", "")))
 
 
 def _lacking(missing: Sequence[str], told: Mapping[str, Any], formats: Sequence[str]) -> str:

@@ -7,7 +7,9 @@ import math
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from companion.cli.commands import app
 from companion.cli.finish import BAD_INPUT, COMPLETED
 from companion.cli.vehicle_making import keep
 from companion.identification.description import Description, Entry, Source
@@ -91,3 +93,24 @@ def test_a_value_at_its_bound_stays_as_it_was(base: Description, found: Findings
     none = with_findings(base, found._replace(axes=(roll, pitch, yaw)), ())
     assert none.data["rate_loop_lag_s"] == base.data["rate_loop_lag_s"]
     assert "rate_loop_lag_s (not found)" in kept_line(none.text)
+
+
+def test_a_simulators_figures_are_told_as_a_simulators(
+    found: Findings, log_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("companion.cli.vehicle_making.identify", lambda log: found)
+    for hardware, parameters, words in (
+        ("PX4_FMU_V5", {}, ""), ("PX4_SITL", {}, "PX4_SITL"), ("PX4_FMU_V5", {"SYS_HITL": 1.0}, "SYS_HITL 1"),
+        ("PX4_FMU_V5", {"SYS_AUTOSTART": 1100.0}, "SYS_AUTOSTART 1100"),
+    ):  # fmt: skip
+        real = {"SYS_HITL": 0.0, "SYS_AUTOSTART": 4052.0}
+        log = found.log._replace(hardware=hardware, parameters={**found.log.parameters, **real, **parameters})
+        assert log.simulator == words
+        monkeypatch.setattr("companion.cli.vehicle_making.read_log", lambda file, name, log=log: log)
+        file = tmp_path / "mine.yaml"
+        told = CliRunner().invoke(app, ["vehicle", "from-log", str(log_file), str(file), "--force"])
+        assert told.exit_code == 0
+        said = f"The log is of a simulator ({words}): its figures are the simulator's, not your vehicle's."
+        for text in (told.output, file.read_text()):
+            assert (said in text) is bool(words)
+        file.unlink()
