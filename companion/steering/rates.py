@@ -67,11 +67,13 @@ from companion.steering.steering import Aim, Along, Steered
 from companion.steering.tilt_barrier import within_barrier
 from companion.steering.timing import Timing
 from companion.steering.yaw import (
+    RANGE_ASKED_MOST,
     USUAL_THRUST_PER_RATE,
     ThrustPerRate,
     Turning,
     WantedYaw,
     compensate_yaw,
+    range_asked,
     wanted_yaw,
     yaw_authority,
     yaw_loop,
@@ -130,6 +132,7 @@ class RateSteering:
         rates = self._limit_rates(memory, command, flying.r_nb, yaw_rate, timing)
         setpoint = self._encode(memory, rates, thrust, timing)
         estimate, limited = memory.estimate, rates.saturated or thrust.saturated
+        bound = limited or range_asked(thrust.sent, rates.sent, state.w_b, self.per_rate) > RANGE_ASKED_MOST
         at = max(estimate.motion.state.t_boot + timing.delay, memory.commands[-1].at)
         memory = RateMemory(
             estimate,
@@ -141,7 +144,7 @@ class RateSteering:
                 memory.poles, self.pole_choice, rates.sent, tilt(flying.r_nb), dt, along=isinstance(aim, Along)
             ),
             delay=memory.delay,
-            limited=is_nothing_learned(estimate.motion, thrust.sent, on_a_bound=limited, slewed=thrust.slew_limited),
+            limited=is_nothing_learned(estimate.motion, thrust.sent, on_a_bound=bound, slewed=thrust.slew_limited),
             moving=is_to_move(command, aim),
         )
         return self._conclude(memory, setpoint, command, thrust, timing, saturated=limited or thrust.slew_limited)

@@ -22,7 +22,7 @@ import math
 from typing import NamedTuple
 
 from companion.estimation.rate_loop_model import YAW_LAG, YAW_TORQUE_LAG, RateLoop
-from companion.frames import Heading, Matrix3, clamped, wrap
+from companion.frames import Heading, Matrix3, Vec3, clamped, wrap
 from companion.law.feedback import YAW_RETURN_RATE
 from companion.law.flight import Command
 from companion.steering.limits import THRUST_MAX
@@ -50,6 +50,10 @@ TILT_THRUST_PER_RATE = SHORT_LIVED * 0.15
 """s/rad: the same of a roll or pitch rate error. PX4's default MC_ROLLRATE_P."""
 UPRIGHT_MIN = 0.2
 """Cosine of the tilt, the least that is divided by. Engineering choice: 78 deg, beyond what is flown."""
+RANGE_ASKED_MOST = 1.2
+"""Share of a motor's range that is asked for beyond which nothing is learned of the thrust: a rate loop's torque lasts
+as short as it comes, and its first tenths are smoothed away. Flown on PX4: a figure-eight whose nose turns by 170 deg/s
+came to 1.3 to 1.5, a motor to its limit, the thrust to 0.88 of what was sent, which was taken for a payload."""
 YAW_AUTHORITY_MIN = 0.05
 """rad/s of yaw rate error that are always left to yaw. Engineering choice."""
 SMOOTHING_TIME = 0.05
@@ -140,6 +144,13 @@ def yaw_authority(
     thrust_used = (zeta + zeta_dot * torque_lag) / most * THRUST_MAX
     thrust_used += per_rate.tilt * tilt_rate_error
     return max(YAW_AUTHORITY_MIN, (THRUST_MAX - thrust_used) / per_rate.yaw)
+
+
+def range_asked(share: float, rates: Vec3, w_b: Vec3, per_rate: ThrustPerRate) -> float:
+    """Share of a motor's range that a thrust (normalised, ``share``) and body ``rates`` (rad/s) ask for together at
+    ``w_b``, at most. Beyond 1 a vehicle that mixes its own motors makes less thrust than it is sent."""
+    (p, q, r), (wp, wq, wr) = rates, w_b
+    return share + per_rate.tilt / SHORT_LIVED * (abs(p - wp) + abs(q - wq)) + per_rate.yaw * abs(r - wr)
 
 
 def usual_yaw_lag(rate_loop_lag: float) -> float:

@@ -24,10 +24,12 @@ from companion.steering.limits import (
 )
 from companion.steering.timing import Timing
 from companion.steering.yaw import (
+    USUAL_THRUST_PER_RATE,
     YAW_AUTHORITY_MIN,
     Turning,
     YawLoop,
     follow_yaw,
+    range_asked,
     usual_yaw_lag,
     yaw_authority,
     yaw_loop,
@@ -218,3 +220,14 @@ def test_commands_that_have_acted_are_let_go() -> None:
     assert recent_commands(commands, 0.5) == commands
     assert [c.at for c in recent_commands(commands, 2.5)] == [2.0, 3.0]
     assert [c.at for c in recent_commands(commands, 9.0)] == [3.0]
+
+
+class TestRangeAsked:
+    def test_rates_that_are_there_ask_for_nothing(self) -> None:
+        assert range_asked(0.5, (1.0, -2.0, 0.5), (1.0, -2.0, 0.5), USUAL_THRUST_PER_RATE) == 0.5
+
+    def test_each_error_takes_its_part_whatever_its_sign(self) -> None:
+        """PX4's P gains: 0.15 for roll and pitch, 0.2 for yaw."""
+        asked = range_asked(0.6, (1.0, -1.0, -1.0), ZERO, USUAL_THRUST_PER_RATE)
+        assert asked == pytest.approx(0.6 + 0.15 + 0.15 + 0.2)
+        assert range_asked(0.6, ZERO, (1.0, -1.0, -1.0), USUAL_THRUST_PER_RATE) == pytest.approx(asked)
