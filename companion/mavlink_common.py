@@ -144,6 +144,36 @@ MAV_TYPE_PARAFOIL = 28
 MAV_TYPE_DODECAROTOR = 29
 MAV_TYPE_DECAROTOR = 35
 MAV_TYPE_GENERIC_MULTIROTOR = 43
+MAV_TYPE_WORDS = {
+    MAV_TYPE_GENERIC: "generic vehicle",
+    MAV_TYPE_FIXED_WING: "fixed wing",
+    MAV_TYPE_QUADROTOR: "quadrotor",
+    MAV_TYPE_COAXIAL: "coaxial helicopter",
+    MAV_TYPE_HELICOPTER: "helicopter",
+    MAV_TYPE_AIRSHIP: "airship",
+    MAV_TYPE_FREE_BALLOON: "balloon",
+    MAV_TYPE_ROCKET: "rocket",
+    MAV_TYPE_GROUND_ROVER: "rover",
+    MAV_TYPE_SURFACE_BOAT: "boat",
+    MAV_TYPE_SUBMARINE: "submarine",
+    MAV_TYPE_HEXAROTOR: "hexarotor",
+    MAV_TYPE_OCTOROTOR: "octorotor",
+    MAV_TYPE_TRICOPTER: "tricopter",
+    MAV_TYPE_FLAPPING_WING: "flapping wing",
+    MAV_TYPE_KITE: "kite",
+    MAV_TYPE_VTOL_DUOROTOR: "VTOL",
+    MAV_TYPE_VTOL_QUADROTOR: "VTOL",
+    MAV_TYPE_VTOL_TILTROTOR: "VTOL",
+    MAV_TYPE_VTOL_RESERVED2: "VTOL",
+    MAV_TYPE_VTOL_RESERVED3: "VTOL",
+    MAV_TYPE_VTOL_RESERVED4: "VTOL",
+    MAV_TYPE_VTOL_RESERVED5: "VTOL",
+    MAV_TYPE_PARAFOIL: "parafoil",
+    MAV_TYPE_DODECAROTOR: "dodecarotor",
+    MAV_TYPE_DECAROTOR: "decarotor",
+    MAV_TYPE_GENERIC_MULTIROTOR: "multirotor",
+}
+"""MAV_TYPE in words, of what flies or drives."""
 
 MAV_AUTOPILOT_GENERIC = 0
 MAV_AUTOPILOT_ARDUPILOTMEGA = 3

@@ -34,7 +34,7 @@ MAY_IMPORT: dict[str, str] = {
     "estimation": "frames calculus vehicle",
     "steering": "frames calculus vehicle paths law allocation px4_allocation thrust_range estimation",
     "feasibility": "frames fence calculus vehicle paths profiles law allocation thrust_range mission",
-    "identification": "plain_text frames vehicle px4_allocation",
+    "identification": "plain_text mavlink_common frames vehicle px4_allocation",
     "flight": "mavlink_common vehicle fence",
     "plan": "frames vehicle paths profiles law mission estimation steering flight",
     "settings": "law plan",

@@ -16,7 +16,8 @@ from companion.config.syntax.file_lookup import find, read
 from companion.config.vehicle import vehicle_from
 from companion.identification.description import Description, of_file
 from companion.identification.from_log import Findings, better_log, identify, simulator_words, with_findings, words_of
-from companion.identification.parameters import describe_parameters, refuse_others
+from companion.identification.parameters import describe_parameters
+from companion.identification.quadrotor import refuse_others
 from companion.identification.ulog import Log
 from companion.identification.ulog import read as read_log
 from companion.services.vehicle import NoVehicleHeardError, ServiceError, connect_vehicle

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from companion.identification.description import Description, Entry, Source
+from companion.identification.quadrotor import refuse_others
 from companion.vehicle import GRAVITY, CompanionError
 
 Values = Mapping[str, float]
@@ -62,19 +63,6 @@ def describe_parameters(
     entries["motors"] = Entry("px4", Source.PX4, "it mixes by itself")
     entries["limits"] = _limits(values)
     return Description(name, origin, entries, tuple(_notes(values)))
-
-
-def refuse_others(values: Values) -> None:
-    """CompanionError: PX4's parameters are of no quadrotor with upright rotors."""
-    count = values.get("CA_ROTOR_COUNT", 4)
-    if values.get("CA_AIRFRAME", 0) not in (0, 15) or count != 4:
-        raise CompanionError(
-            f"the vehicle is no quadrotor (CA_AIRFRAME {values.get('CA_AIRFRAME', 0):g}, CA_ROTOR_COUNT {count:g}); "
-            "nothing was written"
-        )
-    for i in range(4):
-        if values.get(f"CA_ROTOR{i}_AZ", -1.0) > -0.98:
-            raise CompanionError(f"rotor {i + 1} is tilted (CA_ROTOR{i}_AX, AY, AZ); rotors must point upwards")
 
 
 def _places(values: Values, arm: float | None) -> tuple[list[tuple[float, float, float]], str, Source]:

@@ -40,28 +40,6 @@ MULTIROTORS = frozenset(
     }
 )
 """The MAV_TYPE of them."""
-TYPES = {
-    mav.MAV_TYPE_GENERIC: "generic vehicle",
-    mav.MAV_TYPE_FIXED_WING: "fixed wing",
-    mav.MAV_TYPE_HELICOPTER: "helicopter",
-    mav.MAV_TYPE_AIRSHIP: "airship",
-    mav.MAV_TYPE_FREE_BALLOON: "balloon",
-    mav.MAV_TYPE_ROCKET: "rocket",
-    mav.MAV_TYPE_GROUND_ROVER: "rover",
-    mav.MAV_TYPE_SURFACE_BOAT: "boat",
-    mav.MAV_TYPE_SUBMARINE: "submarine",
-    mav.MAV_TYPE_FLAPPING_WING: "flapping wing",
-    mav.MAV_TYPE_KITE: "kite",
-    mav.MAV_TYPE_VTOL_DUOROTOR: "VTOL",
-    mav.MAV_TYPE_VTOL_QUADROTOR: "VTOL",
-    mav.MAV_TYPE_VTOL_TILTROTOR: "VTOL",
-    mav.MAV_TYPE_VTOL_RESERVED2: "VTOL",
-    mav.MAV_TYPE_VTOL_RESERVED3: "VTOL",
-    mav.MAV_TYPE_VTOL_RESERVED4: "VTOL",
-    mav.MAV_TYPE_VTOL_RESERVED5: "VTOL",
-    mav.MAV_TYPE_PARAFOIL: "parafoil",
-}
-"""MAV_TYPE in words, of vehicles that are no multirotors."""
 
 PEER_SILENT = 2.0
 """s without a byte from the vehicle's source, after which it may be met at another one: it was started again."""
@@ -89,7 +67,7 @@ class Vehicle(NamedTuple):
         return self.kind in MULTIROTORS
 
     def __str__(self) -> str:
-        name = "multirotor" if self.is_multirotor else TYPES.get(self.kind, "vehicle")
+        name = "multirotor" if self.is_multirotor else mav.MAV_TYPE_WORDS.get(self.kind, "vehicle")
         return f"{name} (system {self.system}, MAV_TYPE {self.kind})"
 
 

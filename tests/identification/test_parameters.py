@@ -98,3 +98,31 @@ def test_an_old_px4_without_geometry_still_gives_a_file() -> None:
 def test_other_vehicles_are_refused(change: dict[str, float]) -> None:
     with pytest.raises(CompanionError, match=r"no quadrotor|tilted"):
         describe_parameters({**REAL, **change}, name="mine")
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [(1, "fixed wing"), (10, "rover"), (13, "hexarotor"), (14, "octorotor"), (15, "tricopter"), (29, "dodecarotor"),
+     *((vtol, "VTOL") for vtol in range(19, 26)), (77, "another vehicle")],
+)  # fmt: skip
+def test_an_old_px4_says_by_mav_type_what_it_flies(kind: int, name: str) -> None:
+    """Up to 1.13 there are no CA_*: a VTOL with four lifting rotors would be taken for a quad X."""
+    with pytest.raises(CompanionError, match=f"no quadrotor \\(MAV_TYPE {kind}: {name}\\); nothing was written"):
+        describe_parameters({"MPC_THR_HOVER": 0.5, "MAV_TYPE": kind}, name="mine")
+
+
+@pytest.mark.parametrize("kind", [0, 2])
+def test_an_old_px4_that_flies_a_quadrotor_gives_a_file(kind: int) -> None:
+    assert len(made({"MPC_THR_HOVER": 0.5, "MAV_TYPE": kind})[1].rotors) == 4
+
+
+@pytest.mark.parametrize("more", [{"CA_SV_CS_COUNT": 5}, {"CA_ROTOR4_PX": 0.2}])
+def test_what_no_quadrotor_has_is_refused_where_only_what_was_changed_is_told(more: dict[str, float]) -> None:
+    changed = {name: value for name, value in REAL.items() if name not in ("CA_AIRFRAME", "CA_ROTOR_COUNT")}
+    assert len(made(changed)[1].rotors) == 4
+    with pytest.raises(CompanionError, match=r"control surfaces|more than four rotors"):
+        describe_parameters({**changed, **more}, name="mine")
+
+
+def test_control_surfaces_that_an_airframe_does_not_use_are_no_matter() -> None:
+    assert len(made({**REAL, "CA_SV_CS_COUNT": 2, "MAV_TYPE": 22})[1].rotors) == 4
