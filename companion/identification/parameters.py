@@ -26,6 +26,13 @@ ARM = 0.25
 """m, where PX4 holds only the shape of the frame. Engineering choice: a 500 mm frame."""
 SHAPE_ONLY = 0.75
 """m: an arm this long on every rotor is no length but a 1 (PX4's own airframes for simulation are written so)."""
+PLACE_DEFAULT = 0.0
+"""m, CA_ROTORn_PX, PY, PZ as PX4 ships them: a set that holds only what was changed lacks these."""
+SIMULATED = frozenset({
+    "SIH_MASS", "SIH_IXX", "SIH_IYY", "SIH_IZZ", "SIH_L_ROLL", "SIH_L_PITCH", "SIH_T_MAX", "SIH_Q_MAX", "SIH_T_TAU",
+    "SIH_KDV",
+})  # fmt: skip
+"""Names of what PX4's simulation knows of its machine: with one missing it is not described fully."""
 KM_DEFAULT = 0.05
 """CA_ROTORn_KM as PX4 ships it: then only its sign says something."""
 TORQUE_PER_THRUST = 0.016
@@ -67,12 +74,13 @@ def describe_parameters(
 
 def _places(values: Values, arm: float | None) -> tuple[list[tuple[float, float, float]], str, Source]:
     """Where the rotors sit, m; how that is known."""
-    if "CA_ROTOR0_PX" in values:
-        places = [tuple(values[f"CA_ROTOR{i}_P{axis}"] for axis in "XYZ") for i in range(4)]
+    known = any(f"CA_ROTOR{i}_P{axis}" in values for i in range(4) for axis in "XY")
+    if known:
+        places = [tuple(values.get(f"CA_ROTOR{i}_P{axis}", PLACE_DEFAULT) for axis in "XYZ") for i in range(4)]
         words, source = "CA_ROTOR*_PX, PY, PZ", Source.PX4
     else:
         places = [(x, y, 0.0) for x, y, _ in QUAD_X]
-        words, source = "this PX4 has no CA_ROTOR*; a quad X is assumed", Source.ASSUMED
+        words, source = "PX4 says nothing of its rotors (no CA_ROTOR*); a quad X is assumed", Source.ASSUMED
     longest = max(math.hypot(x, y) for x, y, *_ in places)
     if longest <= 0.0:
         raise CompanionError("every rotor sits in the middle (CA_ROTOR*_PX, PY); set the vehicle up in PX4 first")
@@ -84,14 +92,16 @@ def _places(values: Values, arm: float | None) -> tuple[list[tuple[float, float,
         told, words = math.hypot(values["SIH_L_ROLL"], values["SIH_L_PITCH"]), f"{words}, as long as SIH_L_ROLL, PITCH"
     elif min(math.hypot(x, y) for x, y, *_ in places) > SHAPE_ONLY:
         told, source = ARM, Source.ASSUMED
-        words += f" say the shape only ({longest:.3g} is no length); measure the arm and give --arm"
+        told_of = f" say the shape only ({longest:.3g} is no length)" if known else f", its arm {ARM:g} m"
+        words += f"{told_of}; measure the arm and give --arm"
     factor = 1.0 if told is None else told / longest
     return [(x * factor, y * factor, z * factor) for x, y, z in places], words, source
 
 
 def _simulated(values: Values) -> bool:
     """Whether the vehicle is PX4's own simulation, which knows its machine (SIH)."""
-    return "SIH_MASS" in values and (10040 <= values.get("SYS_AUTOSTART", 0) < 10050 or values.get("SYS_HITL", 0) == 2)
+    set_up = 10040 <= values.get("SYS_AUTOSTART", 0) < 10050 or values.get("SYS_HITL", 0) == 2
+    return set_up and values.keys() >= SIMULATED
 
 
 def _mass(values: Values, length: float, mass: float | None) -> Entry:
@@ -121,6 +131,8 @@ def _rotors(
     words, source = placed
     simulated = _simulated(values)
     thrust = values["SIH_T_MAX"] if simulated else mass.value * GRAVITY / hover / 4.0
+    if source is not Source.ASSUMED and any(f"CA_ROTOR{i}_KM" not in values for i in range(4)):
+        words, source = f"{words}; spins of a quad X assumed (no CA_ROTOR*_KM)", Source.ASSUMED
     rows = []
     torque = TORQUE_PER_THRUST
     for i, (x, y, z) in enumerate(places):

@@ -91,7 +91,10 @@ def test_a_comment_belongs_to_its_line() -> None:
 
 def test_an_old_px4_without_geometry_still_gives_a_file() -> None:
     text, vehicle = made({"MPC_THR_HOVER": 0.5})
-    assert "no CA_ROTOR*" in text and [rotor.spin for rotor in vehicle.rotors] == [Spin.CCW, Spin.CCW, Spin.CW, Spin.CW]
+    guessed = "# MEASURE: PX4 says nothing of its rotors (no CA_ROTOR*); a quad X is assumed, its arm 0.25 m; measure"
+    assert guessed in text and "shape only" not in text
+    assert max(math.hypot(*r.position_b) for r in vehicle.rotors) == pytest.approx(0.25, rel=1e-3)
+    assert [rotor.spin for rotor in vehicle.rotors] == [Spin.CCW, Spin.CCW, Spin.CW, Spin.CW]
 
 
 @pytest.mark.parametrize("change", [{"CA_ROTOR_COUNT": 6}, {"CA_AIRFRAME": 1}, {"CA_ROTOR2_AZ": 0.0}])
@@ -126,3 +129,28 @@ def test_what_no_quadrotor_has_is_refused_where_only_what_was_changed_is_told(mo
 
 def test_control_surfaces_that_an_airframe_does_not_use_are_no_matter() -> None:
     assert len(made({**REAL, "CA_SV_CS_COUNT": 2, "MAV_TYPE": 22})[1].rotors) == 4
+
+
+def test_what_an_incomplete_set_lacks_is_as_px4_ships_it() -> None:
+    """Files of parameters often hold only what was changed."""
+    lacking = {name: value for name, value in REAL.items() if not name.endswith(("_PZ", "_KM"))}
+    text, vehicle = made(lacking)
+    assert [rotor.position_b[2] for rotor in vehicle.rotors] == [0.0] * 4
+    assert [rotor.spin for rotor in vehicle.rotors] == [Spin.CCW, Spin.CCW, Spin.CW, Spin.CW]
+    assert "# MEASURE: CA_ROTOR*_PX, PY, PZ; spins of a quad X assumed (no CA_ROTOR*_KM)" in text
+
+
+@pytest.mark.parametrize("missing", ["SIH_T_TAU", "SIH_IZZ", "SIH_L_ROLL"])
+def test_a_simulation_that_tells_half_of_its_machine_is_guessed_as_any_vehicle(missing: str) -> None:
+    values = dict(of(load_vehicle("sih"), Home()))
+    del values[missing]
+    text, _ = made(values)
+    assert "mass_kg" in text and "# MEASURE: kg; guessed" in text
+
+
+def test_no_gap_of_a_set_of_parameters_is_a_crash() -> None:
+    """Whatever is missing, there is a file that says so, or a word on what is wrong."""
+    for values in (REAL, dict(of(load_vehicle("sih"), Home()))):
+        for name in values:
+            if name.startswith(("CA_", "SIH_", "MPC_", "MC_", "FD_", "SYS_")):
+                made({other: value for other, value in values.items() if other != name})
