@@ -10,10 +10,14 @@ from companion.fence import Circle, Fence, Polygon
 from companion.frames import Vec3
 from companion.geodesy import Home, LocalFrame
 from companion.mavlink_common import (
+    MAV_CMD_NAV_DELAY,
+    MAV_CMD_NAV_GUIDED_ENABLE,
+    MAV_CMD_NAV_LAST,
     MAV_CMD_NAV_LOITER_TIME,
     MAV_CMD_NAV_LOITER_TO_ALT,
     MAV_CMD_NAV_LOITER_TURNS,
     MAV_CMD_NAV_LOITER_UNLIM,
+    MAV_CMD_NAV_ROI,
     MAV_CMD_NAV_SPLINE_WAYPOINT,
     MAV_CMD_NAV_VTOL_LAND,
     MAV_CMD_NAV_VTOL_TAKEOFF,
@@ -47,6 +51,9 @@ MOVES = frozenset(
 NOT_FOR_A_QUADROTOR = {MAV_CMD_NAV_VTOL_TAKEOFF: "a VTOL's take-off", MAV_CMD_NAV_VTOL_LAND: "a VTOL's landing"}
 """In words."""
 
+FLY_NOWHERE = frozenset({MAV_CMD_NAV_ROI, MAV_CMD_NAV_GUIDED_ENABLE, MAV_CMD_NAV_DELAY})
+"""Below MAV_CMD_NAV_LAST, and no place to fly to all the same."""
+
 
 class Place(NamedTuple):
     """A place on the earth: degrees, and m above mean sea level (``amsl``) or above home."""
@@ -60,6 +67,11 @@ class Place(NamedTuple):
         """North, east, down in m from ``home``."""
         north, east, _ = home.to_local(self.latitude, self.longitude, 0.0)
         return (north, east, (home.altitude if self.amsl else 0.0) - self.altitude)
+
+
+def flies_somewhere(command: int) -> bool:
+    """Whether a MAV_CMD moves the vehicle: a waypoint, a take-off, a landing, a return."""
+    return command < MAV_CMD_NAV_LAST and command not in FLY_NOWHERE
 
 
 class Item(NamedTuple):

@@ -24,16 +24,13 @@ from companion.mavlink_common import (
     MAV_CMD_DO_SET_ROI_NONE,
     MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
     MAV_CMD_NAV_DELAY,
-    MAV_CMD_NAV_GUIDED_ENABLE,
     MAV_CMD_NAV_LAND,
-    MAV_CMD_NAV_LAST,
     MAV_CMD_NAV_LOITER_TIME,
     MAV_CMD_NAV_LOITER_TO_ALT,
     MAV_CMD_NAV_LOITER_TURNS,
     MAV_CMD_NAV_LOITER_UNLIM,
     MAV_CMD_NAV_PAYLOAD_PLACE,
     MAV_CMD_NAV_RETURN_TO_LAUNCH,
-    MAV_CMD_NAV_ROI,
     MAV_CMD_NAV_SPLINE_WAYPOINT,
     MAV_CMD_NAV_TAKEOFF,
     MAV_CMD_NAV_WAYPOINT,
@@ -42,10 +39,9 @@ from companion.plans import items as c
 from companion.plans.item_place import place_of
 from companion.plans.items import Item, Key, Place, Plan, PlanError, Problem
 from companion.plans.payload import PAYLOAD, PayloadCommand
+from companion.plans.rest import rest_in_words
 from companion.plans.waypoints import Route, Waypoint, items_in_words
 
-_FLY_NOWHERE = (MAV_CMD_NAV_ROI, MAV_CMD_NAV_GUIDED_ENABLE)
-"""Below MAV_CMD_NAV_LAST, and no place to fly to all the same."""
 STEPS_MAX = 200_000
 """Items executed, jumps and all."""
 
@@ -71,6 +67,7 @@ class _Walk:
         self._closed_from: int | None = None
         self._first_payload: tuple[PayloadCommand, ...] = ()
         self._at = 0
+        self._end: str | None = None
 
     def route(self) -> Route:
         """See ``route_of``."""
@@ -95,9 +92,10 @@ class _Walk:
                 break
         if self._problems:
             raise PlanError(self._problems)
-        return self._result()
+        return self._result([item for i, item in enumerate(items) if i > self._at and i not in reached])
 
-    def _result(self) -> Route:
+    def _result(self, rest: list[Item]) -> Route:
+        """The route. ``rest``: the items after the one that it ends with."""
         waypoints = self._waypoints
         closed = self._closed_from is not None
         if self._closed_from is not None:
@@ -116,6 +114,8 @@ class _Walk:
                 [Problem(("mission", "items"), f"a path needs two waypoints (three in a loop), found {found}")]
             )
         said = [f"{words}{items_in_words(items, self._line_of)}" for words, items in self._notes.items()]
+        if self._end is not None:
+            said += rest_in_words(rest, self._end, self._line_of)
         return Route(tuple(waypoints), closed, (*self._plan.notes, *said))
 
     def _execute(self, item: Item) -> bool:
@@ -125,20 +125,23 @@ class _Walk:
             self._add_waypoint(item)
             if command == MAV_CMD_NAV_LOITER_UNLIM:
                 self._note("the path ends where the plan loiters", item)
+                self._end = "the loiter without an end"
                 return False
         elif command == MAV_CMD_NAV_TAKEOFF:
             self._add_takeoff(item)
         elif command == MAV_CMD_NAV_LAND:
             self._add_landing(item)
+            self._end = "the landing"
             return False
         elif command == MAV_CMD_NAV_RETURN_TO_LAUNCH:
             self._note("the path ends where the plan returns home; --finish says what follows", item)
+            self._end = "the return"
             return False
         elif command in c.NOT_FOR_A_QUADROTOR:
             self._problem(item, f"{c.NOT_FOR_A_QUADROTOR[command]} (command {command}) is not for a quadrotor")
         elif command in _CHANGES:
             _CHANGES[command](self, item)
-        elif command == MAV_CMD_NAV_PAYLOAD_PLACE or (command < MAV_CMD_NAV_LAST and command not in _FLY_NOWHERE):
+        elif command == MAV_CMD_NAV_PAYLOAD_PLACE or c.flies_somewhere(command):
             self._problem(item, f"command {command} says where to fly in a way that is not known here")
         elif command in PAYLOAD:
             self._trigger_payload(item)
@@ -240,6 +243,7 @@ class _Walk:
                 self._problem(item, "jumps forward for ever")
                 return False
             self._closed_from = reached[to]
+            self._end = "the loop without an end"
             return False
         done = jumps.get(self._at, 0)
         jumps[self._at] = done + 1

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import random
+import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -176,6 +178,49 @@ def test_landing_and_returning_end_the_path(tmp_path: Path) -> None:
     assert "ends above the landing place" in landing.notes[0]
     returning = flown(tmp_path, *SQUARE, item(20))
     assert "returns home" in returning.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("end", "name"),
+    [(waypoint(0, 60, 0, command=21), "the landing"), (item(20), "the return"),
+     (waypoint(0, 60, 15, command=17), "the loiter without an end"), (item(177, 2, -1), "the loop without an end")],
+)  # fmt: skip
+def test_what_a_plan_flies_after_the_end_of_the_path_is_told(tmp_path: Path, end: dict[str, Any], name: str) -> None:
+    """Deliveries land, wait and fly back: who flies such a plan must know that the rest of it is not flown."""
+    back = (
+        item(93, 5),
+        waypoint(0, 60, 15, command=22),
+        item(206, 25, 0, 1),
+        waypoint(0, 0, 15),
+        waypoint(0, 0, 0, command=21),
+    )
+    mission = flown(tmp_path, *SQUARE, end, *back, item(20))
+    lines = (tmp_path / "field.plan").read_text().splitlines()
+    begin = [i for i, line in enumerate(lines) if '"SimpleItem"' in line]
+    note = mission.notes[-1]
+    found = re.fullmatch(
+        rf"NOT FLOWN: items 7 to 10, after {name} \(line (\d+) on\); they need a plan of their own", note
+    )
+    assert found and begin[5] < int(found[1]) - 1 <= begin[6]
+
+
+def test_what_comes_after_the_end_of_the_path_and_flies_nowhere() -> None:
+    landing, gripper = waypoint(0, 60, 0, command=21), item(211, 1, 0)
+    assert route_of(read(*SQUARE, landing, gripper)).notes[-1] == (
+        "NOT CARRIED OUT: item 6, after the landing; do it yourself"
+    )
+    assert (
+        "NOT FLOWN: item 7, after the landing; it needs a plan of its own"
+        in route_of(read(*SQUARE, landing, item(93, 5), waypoint(0, 0, 9))).notes
+    )
+    for rest in ([], [item(20)], [item(93, 5), item(178, 1, 3)]):
+        assert "NOT" not in " ".join(route_of(read(*SQUARE, landing, *rest)).notes)
+    plan_of = read(*SQUARE, landing, waypoint(0, 0, 9), waypoint(9, 0, 9), waypoint(9, 9, 9))
+    twice = [given._replace(number=given.number - 4) if given.number > 7 else given for given in plan_of.items]
+    said = "NOT FLOWN: 3 items from item 6 on, after the landing; they need a plan of their own"
+    assert said in route_of(replace(plan_of, items=tuple(twice))).notes
+    # a jump that has brought the path round an item before leaves nothing out
+    assert "NOT" not in " ".join(route_of(read(*SQUARE, item(177, 2, 1), landing)).notes)
 
 
 def test_a_turn_on_the_spot_and_doubled_waypoints(tmp_path: Path) -> None:
