@@ -101,6 +101,7 @@ class Mission:
     given_home: GivenHome = NO_HOME_GIVEN  # what of that was told beside the file
     mixed_heights: bool = False  # heights above home and above the sea meet in it: its shape hangs on home's altitude
     actions: tuple[PathAction, ...] = ()  # of the payload, by arc length
+    from_plan: bool = False  # its path is a ground station's plan, whose heights know no frame
 
     def placed(self, origin_n: Vec3, turn: float | None = None) -> Mission:
         """The mission with its origin at ``origin_n`` of the vehicle's local frame, its axes turned by ``turn`` (rad,
@@ -119,6 +120,13 @@ class Mission:
     def placement(self) -> Placement:
         """Where its coordinates stand in the vehicle's local frame."""
         return self.path.placement
+
+    @property
+    def up_in_words(self) -> str:
+        """How its heights are meant, for who finds the path below the ground."""
+        if self.from_plan:
+            return "the plan has heights below home's: mend them, or home, in the ground station"
+        return "z points up in frame: enu" if self.placement.enu else "z points down in frame: ned"
 
     @property
     def fence_n(self) -> Fence | None:

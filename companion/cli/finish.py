@@ -93,7 +93,7 @@ def _flight_lines(figures: dict[str, Any]) -> list[str]:
     flown = figures["follow"]
     lines.append(
         f"  {figures['mission']} on {figures['vehicle']} at {figures['output']}: followed for "
-        f"{flown['duration_s']:.1f} s, {flown['distance_m']:.1f} m, {flown['laps']:.2f} laps"
+        f"{flown['duration_s']:.1f} s, {flown['distance_m']:.1f} m, {flown['laps']:z.2f} laps"
     )
     lines.append(f"  {where}")
     columns = [("follow", figures["follow"]), ("settled", figures["settled"])]
@@ -146,6 +146,6 @@ def _motors(motor: dict[str, float | None]) -> str:
         return ""
     saturated = motor["saturated_fraction"] or 0.0
     return (
-        f"; motors {100.0 * motor['min']:.1f} to {100.0 * motor['max']:.1f} % of their range, "
+        f"; motors {100.0 * motor['min']:z.1f} to {100.0 * motor['max']:.1f} % of their range, "
         f"saturated {100.0 * saturated:.1f} % of the time"
     )

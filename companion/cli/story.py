@@ -68,14 +68,14 @@ class Story:
             if error > START_OFF:
                 self._set_out(now)
                 said.append(
-                    f"{MARK}begins {error:.1f} m off the path at {speed:.1f} of {alpha:.1f} m/s: it heads for the near "
-                    "point of the path, not for a place where it should be by now"
+                    f"{MARK}begins {error:.1f} m off the path at {speed:z.1f} of {alpha:z.1f} m/s: it heads for the "
+                    "near point of the path, not for a place where it should be by now"
                 )
         if self._since is not None:
             self._error_max, self._speed_max = max(self._error_max, error), max(self._speed_max, speed)
             if error <= BACK_PATH and abs(speed - alpha) <= BACK_SPEED * alpha:
                 said.append(
-                    f"{MARK}on the path at {speed:.1f} m/s after {now - self._since:.1f} s; on the way it was at most "
+                    f"{MARK}on the path at {speed:z.1f} m/s after {now - self._since:.1f} s; on the way it was at most "
                     f"{self._error_max:.2f} m from the path and never faster than {self._speed_max:.1f} m/s"
                 )
                 self._since = None

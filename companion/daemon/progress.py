@@ -30,15 +30,15 @@ def line(tick: Tick, rate: float, garbage: int = 0, ground: float | None = None)
         parts.append(f"no state for {age:.0f} s")
     elif memory.phase in OFF_THE_PATH:
         if state is not None and ground is not None:
-            parts.append(f"height {ground - state.p_n[2]:6.1f} m")
+            parts.append(f"height {ground - state.p_n[2]:z6.1f} m")
     else:
         if memory.path.follow_from is not None and state is not None:
             parts.append(f"{state.t_boot - memory.path.follow_from:6.1f} s")
         if memory.path.progress is not None:
             parts.append(f"path error {100.0 * memory.path.progress.path_error:6.1f} cm")
     if steered is not None:
-        parts.append(f"speed {steered.command.speed:6.2f} of {steered.command.alpha:.2f} m/s")
-        parts.append(f"yaw error {math.degrees(yaw_error(steered)):6.1f} deg")
+        parts.append(f"speed {steered.command.speed:z6.2f} of {steered.command.alpha:z.2f} m/s")
+        parts.append(f"yaw error {math.degrees(yaw_error(steered)):z6.1f} deg")
     if state is not None:
         parts.append(f"tilt {math.degrees(state.tilt):4.1f} deg")
     parts.append(f"{rate:.0f} Hz")

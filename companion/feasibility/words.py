@@ -31,6 +31,8 @@ LABELS = {
 """name -> what a person calls it, its unit, and how many digits are worth reading."""
 LEAST = frozenset({"path_radius_m", "regularity", "ground_clearance_m", "fence_m"})
 """What must be more than its limit."""
+ON_THE_GROUND = 0.05
+"""m: a height that is written as 0.0 lies on the ground, not under it."""
 COLUMN = 32
 """characters of a line's name."""
 
@@ -68,9 +70,8 @@ def why(report: Report, limit: Limit) -> str:
             what = f"The path bends to a radius of {value}; {most} is the least that can be held"
         case "regularity":
             what = "The law is singular: it falls freely, lies on its side, or h1 and h2 leave the direction open"
-        case "ground_clearance_m" if limit.worst < 0.0:
-            sign = "z points up in frame enu" if report.mission.placement.enu else "z points down in frame ned"
-            what = f"The path leads {-limit.worst:.1f} m below the ground ({sign})"
+        case "ground_clearance_m" if limit.worst < -ON_THE_GROUND:
+            what = f"The path leads {-limit.worst:.1f} m below the ground ({report.mission.up_in_words})"
         case "ground_clearance_m":
             what = f"The path leads only {value} above the ground; {most} is the least"
         case "fence_m" if limit.worst < 0.0:
@@ -97,7 +98,7 @@ def against(limit: Limit) -> str:
 def where(report: Report, s: float) -> str:
     """A place along the path, in the mission's own coordinates."""
     x, y, z = report.mission.placement.to_mission(report.mission.table.at(s)[0])
-    return f"{s:.1f} m along the path (x {x:.1f}, y {y:.1f}, z {z:.1f})"
+    return f"{s:.1f} m along the path (x {x:z.1f}, y {y:z.1f}, z {z:z.1f})"
 
 
 def in_words(report: Report, places: Sequence[str] = (), warnings: Sequence[str] = (), air: str | None = None) -> str:
@@ -195,7 +196,7 @@ def _number(name: str, value: float) -> str:
     if name == "path_radius_m" and value >= STRAIGHT:
         return "straight"
     scaled = 100.0 * value if name == "motor" else value
-    return "without end" if not math.isfinite(scaled) else f"{scaled:.{digits}f} {unit}".strip()
+    return "without end" if not math.isfinite(scaled) else f"{scaled:z.{digits}f} {unit}".strip()
 
 
 def _percent(share: float) -> str:

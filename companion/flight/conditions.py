@@ -232,13 +232,13 @@ def _thrust(s: SafetyInputs, ratio: float) -> str | None:
 def floor(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.floor is None or s.height is None or s.height >= limits.floor:
         return None
-    return f"{s.height:.1f} m above the ground, below the floor of {limits.floor:g} m"
+    return f"{s.height:z.1f} m above the ground, below the floor of {limits.floor:g} m"
 
 
 def ceiling(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.ceiling is None or s.height is None or s.height <= limits.ceiling:
         return None
-    return f"{s.height:.1f} m above the ground, above the ceiling of {limits.ceiling:g} m"
+    return f"{s.height:z.1f} m above the ground, above the ceiling of {limits.ceiling:g} m"
 
 
 def fence(s: SafetyInputs, limits: Limits) -> str | None:
@@ -249,7 +249,7 @@ def own_fence(s: SafetyInputs, limits: Limits) -> str | None:
     if limits.radius and s.from_home is not None and s.from_home > limits.radius - FENCE_AHEAD:
         return f"{s.from_home:.0f} m from home, at the vehicle's own fence of {limits.radius:g} m (GF_MAX_HOR_DIST)"
     if limits.height and s.above_home is not None and s.above_home > limits.height - FENCE_AHEAD:
-        return f"{s.above_home:.0f} m above home, at the vehicle's own fence of {limits.height:g} m (GF_MAX_VER_DIST)"
+        return f"{s.above_home:z.0f} m above home, at the vehicle's own fence of {limits.height:g} m (GF_MAX_VER_DIST)"
     return None
 
 

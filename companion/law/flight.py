@@ -178,7 +178,7 @@ def _command_of(step: Function, flying: Flying, speed_scale: SpeedScale, known: 
 
 def place(p_n: Vec3) -> str:
     """A position as a pilot reads it."""
-    return f"north {p_n[0]:.1f}, east {p_n[1]:.1f}, height {-p_n[2]:.1f} m"
+    return f"north {p_n[0]:z.1f}, east {p_n[1]:z.1f}, height {-p_n[2]:z.1f} m"
 
 
 def implicit_law(

@@ -250,4 +250,4 @@ def over_arc(derivatives: Array) -> Array:
 
 def _place(p: Array) -> str:
     x, y, z = map(float, p)
-    return f"x {x:.2f}, y {y:.2f}, z {z:.2f}"
+    return f"x {x:z.2f}, y {y:z.2f}, z {z:z.2f}"

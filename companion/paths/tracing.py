@@ -196,4 +196,4 @@ def _dot(a: Sequence[float], b: Sequence[float]) -> float:
 
 
 def _place(p: Vec3) -> str:
-    return f"north {p[0]:.2f}, east {p[1]:.2f}, height {-p[2]:.2f} m"
+    return f"north {p[0]:z.2f}, east {p[1]:z.2f}, height {-p[2]:z.2f} m"

@@ -17,6 +17,10 @@ LOW = 1.0
 """m over the ground under which a height is worth a warning."""
 FAR = 2000.0
 """m from the vehicle beyond which a distance is worth a warning."""
+SEEN = 0.05
+"""m: a height below is written as 0.0 (half of the last digit)."""
+KILOMETRES = 9999.5
+"""m from which on a distance is told in km: four digits are read as metres."""
 HIGH = 120.0
 """m over the ground, the height that many countries' rules end at."""
 
@@ -54,11 +58,11 @@ def words_of_place(mission: Mission, default: Origin, where: VehicleLocation | N
     points = table.samples(SAMPLES)[1] - np.array(reference.point_n)
     first = _vector(table.at(0.0 if mission.direction > 0.0 else table.length)[0], reference.point_n)
     heights = -points[:, 2]
-    low, high = float(heights.min()), float(heights.max())
+    low, high = _seen(float(heights.min())), _seen(float(heights.max()))
     lines = [f"the path runs {_heights(low, high)} {reference.name}"]
     if isinstance(origin, GlobalOrigin) and not origin.above_home:
         lines.append(f"that is {_span(*_above_sea(mission, origin))} m above sea level")
-    lines.append(f"it begins {_height(-first[2])}, {_away(first)}")
+    lines.append(f"it begins {_begin(first)}")
     south, west = -points[:, :2].min(axis=0)
     north, east = points[:, :2].max(axis=0)
     lines.append(
@@ -74,12 +78,16 @@ def words_of_place(mission: Mission, default: Origin, where: VehicleLocation | N
 def _of_height(mission: Mission, reference: _Reference, low: float, high: float) -> list[str]:
     if not reference.is_ground:
         return []
+    if low == high == 0.0:
+        return [f"the whole path is on the ground, at the height of {reference.name}: give it a height to fly at"]
     if high <= 0.0:
-        enu = mission.placement.enu
-        hint = "z points up in frame: enu" if enu else "z points down in frame: ned, so 10 m up is z = -10"
-        return [f"the whole path is {_heights(low, high)} {reference.name}, under the ground: {hint}"]
+        example = "" if mission.from_plan or mission.placement.enu else ", so 10 m up is z = -10"
+        below = f"{_heights(low, high)} {reference.name}"
+        return [f"the whole path is {below}, under the ground: {mission.up_in_words}{example}"]
     if low < 0.0:
         return [f"the path goes down to {-low:.1f} m BELOW {reference.name}: into the ground, where that is level"]
+    if low == 0.0:
+        return [f"the path comes down to the height of {reference.name}: to the ground, where that is level"]
     if low < LOW:
         return [f"the path comes down to {low:.1f} m above {reference.name}"]
     if high > HIGH:
@@ -120,11 +128,18 @@ def _vector(to: Vec3, begin: Vec3) -> Vec3:
     return (to[0] - begin[0], to[1] - begin[1], to[2] - begin[2])
 
 
+def _seen(height: float) -> float:
+    """A height, 0 where it is written as 0.0: that is neither above nor below."""
+    return height if abs(height) >= SEEN else 0.0
+
+
 def _span(low: float, high: float) -> str:
-    return f"{low:.1f}" if high - low < 0.05 else f"{low:.1f} to {high:.1f}"
+    return f"{low:z.1f}" if high - low < SEEN else f"{low:z.1f} to {high:z.1f}"
 
 
 def _heights(low: float, high: float) -> str:
+    if low == high == 0.0:
+        return "at the height of"
     if low >= 0.0:
         return f"{_span(low, high)} m above"
     if high <= 0.0:
@@ -133,7 +148,13 @@ def _heights(low: float, high: float) -> str:
 
 
 def _height(height: float) -> str:
-    return f"{abs(height):.1f} m {'up' if height >= 0.0 else 'DOWN'}"
+    return f"{abs(height):.1f} m {'up' if _seen(height) >= 0.0 else 'DOWN'}"
+
+
+def _begin(first: Vec3) -> str:
+    if math.hypot(*first) < SEEN:
+        return "at that point"
+    return f"{_height(-first[2])}, {_away(first)}"
 
 
 def _away(to: Vec3) -> str:
@@ -156,8 +177,12 @@ def _extent(ahead: float, forward: str, behind: float, backward: str) -> str:
 
 
 def _range(near: float, far: float) -> str:
-    return _metres(far) if far - near < 0.5 else f"{near:.0f} to {_metres(far)}"
+    if far - near < 0.5:
+        return _metres(far)
+    begin, end = _metres(near), _metres(far)
+    unit = f" {end.split()[1]}"
+    return f"{begin.removesuffix(unit)} to {end}"
 
 
 def _metres(distance: float) -> str:
-    return f"{distance:.0f} m" if distance < 9999.5 else f"{distance / 1000.0:.1f} km"
+    return f"{distance:z.0f} m" if distance < KILOMETRES else f"{distance / 1000.0:.1f} km"

@@ -84,7 +84,7 @@ def flight_events(estimated: Series, table: Table, simulation: dict[str, Any] | 
     if estimated["path_error"][0] > START_OFF:
         speed = abs(estimated["speed"][0])
         off, asked = estimated["path_error"][0], abs(estimated["alpha"][0])
-        what = f"began {off:.1f} m off the path, at {speed:.1f} of {asked:.1f} m/s"
+        what = f"began {off:.1f} m off the path, at {speed:z.1f} of {asked:z.1f} m/s"
         found.append(_measure(estimated, "start", what, 0.0, 0.0))
     done = [_measure(estimated, *event) for event in _world_events(estimated, table, simulation)]
     found += done

@@ -111,7 +111,7 @@ def _explained(said: Verdict) -> str:
     """What of all that varies explains the errors."""
     if not said.ranks:
         return ""
-    head, lines = ["", "rank correlation"], [[key, f"{value:+.2f}"] for key, value in said.ranks]
+    head, lines = ["", "rank correlation"], [[key, f"{value:+z.2f}"] for key, value in said.ranks]
     if said.indices is not None:
         shares = {index.name: index for index in said.indices}
         head += ["of the variance, alone", "with the others"]

@@ -115,7 +115,7 @@ def in_words(said: Verdict) -> list[str]:
             f"{errors.name}: median {errors.middle:.2f} cm, 5 % to 95 % {errors.low:.2f} to {errors.high:.2f}, largest "
             f"{errors.largest:.2f}"
         )
-    lines += [f"rank correlation with the error: {key} {value:+.2f}" for key, value in said.ranks]
+    lines += [f"rank correlation with the error: {key} {value:+z.2f}" for key, value in said.ranks]
     if said.indices is not None:
         lines += [
             f"Sobol index of the error: {key} alone explains {100.0 * first:.0f} % of its variance, with the others "

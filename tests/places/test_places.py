@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import re
 
 import pytest
 
@@ -136,6 +137,47 @@ def test_words_for_a_path_under_the_ground() -> None:
     assert "comes down to 0.4 m" in low
     (high,) = words_of_place(path("from: [0, 0, -9], to: [50, 0, -150]"), Origin.TAKEOFF).warnings
     assert "150 m above" in high
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "said"),
+    [
+        ([-169.4, 0, -10], [-17_300, 410, -10], "it lies 169 m to 17.3 km south, 0 to 410 m east of that point"),
+        ([12_100, 0, -10], [17_300, 0, -10], "it lies 12.1 to 17.3 km north, 0 m east of that point"),
+        ([-0.0, -0.0, -10], [-6, -14_000, -10], "it lies 0 to 6 m south, 0 m to 14.0 km west of that point"),
+        (
+            [0.2, -3, -10],
+            [-12_000, 11_000, -10],
+            "it lies 0 m to 12.0 km south, 3 m west to 11.0 km east of that point",
+        ),
+    ],
+)
+def test_a_span_has_both_units_where_they_differ(begin: list[float], end: list[float], said: str) -> None:
+    assert words_of_place(path(f"from: {begin}, to: {end}"), Origin.TAKEOFF).lines[2] == said
+
+
+@pytest.mark.parametrize("z", [0.0, -0.0, 0.04, -0.04])
+def test_a_path_at_the_height_of_the_ground_is_neither_above_nor_below(z: float) -> None:
+    words = words_of_place(path(f"from: [0, 0, {z}], to: [-50, 0, {z}]"), Origin.TAKEOFF)
+    assert words.lines[0] == "the path runs at the height of the take-off point"
+    assert words.lines[1] == "it begins at that point"
+    assert words.warnings == (
+        "the whole path is on the ground, at the height of the take-off point: give it a height to fly at",
+    )
+    rising = words_of_place(path(f"from: [0, 0, {z}], to: [-50, 0, -20]"), Origin.HOME)
+    assert rising.lines[0] == "the path runs 0.0 to 20.0 m above home"
+    assert rising.warnings == ("the path comes down to the height of home: to the ground, where that is level",)
+    sinking = words_of_place(path(f"from: [0, 0, {z}], to: [-50, 0, 20]"), Origin.HOME)
+    assert sinking.lines[0] == "the path runs 0.0 to 20.0 m BELOW home"
+
+
+def test_no_figure_is_minus_zero() -> None:
+    for z in (-0.0, -0.01, 0.01):
+        for x in (-0.0, -0.4, -0.01):
+            for far in (-3.0, -20_000.0, 20_000.0):
+                mission = path(f"from: [{x}, {x}, {z}], to: [{far}, {x}, {z}]")
+                words = str(words_of_place(mission, Origin.HOME))
+                assert not re.search(r"-0(\.0*)?(?![.\d])", words), words
 
 
 def test_words_for_a_path_from_a_vehicle() -> None:

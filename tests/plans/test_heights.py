@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,15 @@ import pytest
 
 from companion.config.mission.mission import load_mission
 from companion.config.syntax.faults import ConfigError
+from companion.config.vehicle import load_vehicle
 from companion.daemon.preparing import heights_agree
-from companion.feasibility.report import ground_under
+from companion.feasibility.report import check, ground_under
+from companion.feasibility.words import in_words
 from companion.geodesy import NO_HOME_GIVEN, GivenHome
 from companion.library.simulation import at_home
-from companion.mission import Mission
+from companion.mission import Mission, Origin
 from companion.places.origins import NotKnownError, VehicleLocation
+from companion.places.words import words_of_place
 from companion.vehicle import CompanionError
 from companion.world import Home, World
 from tests.cli.test_export import run
@@ -120,3 +124,26 @@ def test_an_export_keeps_the_planned_home(tmp_path: Path) -> None:
     assert (code, "does not say how high its home lies" in said) == (2, True)
     high = written(tmp_path / "high.plan", waypoint(0, 0, 310, frame=0), waypoint(6, 0, 310, frame=0))
     assert "the path runs 12.0 m above" in run("check", str(high), "--home", f"{HOME[0]}, {HOME[1]}, 298")[1]
+
+
+@pytest.mark.parametrize(
+    ("height", "frame", "said"),
+    [
+        (0.0, 3, "on the ground, at the height of home"),
+        (-5.0, 3, "5.0 m BELOW home"),
+        (488.0, 0, "on the ground, at the height of the mission's origin"),
+        (400.0, 0, "88.0 m BELOW the mission's origin"),
+    ],
+)
+def test_a_plan_on_or_under_the_ground_is_told_of_without_a_frame(
+    tmp_path: Path, height: float, frame: int, said: str
+) -> None:
+    """A plan has no axes: that z points down in frame: ned is no help to who drew it."""
+    mission = read(tmp_path, *(waypoint(north, 0, height, frame=frame) for north in (0, 40)))
+    (warning,) = words_of_place(mission, Origin.HOME).warnings
+    assert f"the whole path is {said}" in warning
+    report = check(mission, load_vehicle("x500"))
+    text = in_words(report, words_of_place(mission, Origin.HOME).lines, (warning,))
+    assert (not report.feasible and "above the ground" in text) or "below the ground" in text
+    assert "frame: " not in text and "z points" not in text
+    assert not re.search(r"-0(\.0*)?(?![.\d])", text), text

@@ -113,4 +113,4 @@ def _first_jump(
 
 def _mission_place(mission: Mission, p_n: Vec3) -> str:
     x, y, z = mission.placement.to_mission(p_n)
-    return f"x {x:.2f}, y {y:.2f}, z {z:.2f}"
+    return f"x {x:z.2f}, y {y:z.2f}, z {z:z.2f}"

@@ -233,6 +233,7 @@ class _Reader:
             given_home=self._given,
             mixed_heights=plan is not None and plan.mixed_heights,
             actions=() if plan is None else plan.actions,
+            from_plan=plan is not None,
         )
         if mission.repeat is not None and mission.closed:
             self._fault(("repeat",), "the path is closed; expected an open one to fly back and forth")

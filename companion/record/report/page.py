@@ -137,13 +137,14 @@ def _chart(picture: Picture) -> str:
 def _provenance(evidence: Evidence) -> str:
     plan, resolved = evidence.plan, evidence.resolved
     north, east, down = plan.mission.placement.origin_n
+    origin = f"{north:zg} m north, {east:zg} m east, {down:zg} m down in the vehicle's local frame"
     length = f"{plan.table.length:.2f} m, " + ("closed" if plan.table.closed else "open")
     rows = [
         ("Mission file", _file(resolved, "mission")),
         ("Vehicle file", _file(resolved, "vehicle")),
         *([("World file", _file(resolved, "simulation"))] if resolved.get("simulation") else []),
         ("Path length", length),
-        ("Origin of the mission", f"{north:g} m north, {east:g} m east, {down:g} m down in the vehicle's local frame"),
+        ("Origin of the mission", origin),
         ("Ticks recorded", f"{len(evidence.table)}"),
         *([("Commands", latency_words(sent))] if (sent := read_latency(evidence.directory, evidence.table)) else []),
     ]
