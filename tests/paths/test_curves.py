@@ -273,6 +273,8 @@ FAULTS = {
     "kind: expression, x: u, y: 1/(u - 1), z: 10, u: [0, 2]": "is not defined, or not finite, at u = 1",
     "kind: expression, x: u*(1 - u), y: u*(1 - u)*(1 - 2*u), z: 10, u: [0, 1], closed: true": "has a corner where it closes",
     'kind: expression, x: "cos(u) + 0.01*u*(2*pi - u)*sin(u)", y: sin(u), z: 10, u: [0, 6.283185307179586], closed: true': "has a sudden bend where it closes",
+    'kind: expression, x: "5000*(cos(u) + 0.001*u*(2*pi - u)*sin(u))", y: 5000*sin(u), z: 10, u: [0, 6.283185307179586], closed: true': "has a sudden bend where it closes",
+    'kind: expression, x: "5000*(cos(u) + 1e-7*u**4*(2*pi - u)**5)", y: 5000*sin(u), z: 10, u: [0, 6.283185307179586], closed: true': "has a bend whose change changes suddenly where it closes",
     "kind: lissajous, center: [0, 0, 5], amplitude: [3, 3, 0], frequency: [1, 1, 0]": "stops at x 3.00, y 3.00",
     "kind: lissajous, center: [0, 0, 5], amplitude: [0, 0, 0], frequency: [1, 1, 1]": "it is a point",
     "kind: line, from: [0, 0, 5], to: [0, 0, 5]": "points 1 and 2 are the same",
@@ -289,6 +291,15 @@ def test_what_is_no_path(path: str, said: str) -> None:
         mission_from(parse(f"mission: m\nframe: enu\npath: {{{path}}}\nspeed: 2\n", "m.yaml"), None)
     assert [str(fault).split(": ")[0] for fault in faults.value.faults] == ["m.yaml:3"]
     assert said in str(faults.value)
+
+
+@pytest.mark.parametrize("leg", [100.0, 2000.0, 5000.0, 12_000.0, 20_000.0])
+@pytest.mark.parametrize("tolerance", [0.3, 1.0])
+def test_a_triangle_of_any_size_closes(leg: float, tolerance: float) -> None:
+    """Of a long path the parameter's last digits, 2e-12 m of 15 km, move the fourth derivative where a corner ends by as
+    much as a thousandth of what a circle of that length has: no jump."""
+    triangle = [(0.0, 0.0, -50.0), (leg, 0.0, -50.0), (0.5 * leg, leg, -50.0)]
+    assert polyline(triangle, True, tolerance).table.length == pytest.approx(leg * (1.0 + math.sqrt(5.0)), abs=8.0)
 
 
 def test_ten_thousand_waypoints_cost_a_tick_no_more_than_ten() -> None:
