@@ -99,7 +99,8 @@ class FenceArea:
 class Plan:
     """What a ground station wrote. ``home``: the planned home, None where it is not known. ``speed``:
     m/s to fly at until told otherwise, None where the file does not say. ``rally``: how many rally points it has.
-    ``notes``: what a pilot should know of how it was read."""
+    ``notes``: what a pilot should know of how it was read. ``home_key``, ``items_key``: where home and the items stand
+    in the file."""
 
     items: tuple[Item, ...]
     home: Home | None = None
@@ -107,6 +108,8 @@ class Plan:
     fence: tuple[FenceArea, ...] = ()
     rally: tuple[Place, ...] = ()
     notes: tuple[str, ...] = ()
+    home_key: Key = ("mission", "plannedHomePosition")
+    items_key: Key = ("mission", "items")
 
 
 class Problem(NamedTuple):

@@ -111,7 +111,7 @@ class _Walk:
                 raise PlanError([Problem((), "it holds a fence, and no waypoints to fly")])
             found = "none" if not waypoints else "one" if len(waypoints) == 1 else f"{len(waypoints)} in a loop"
             raise PlanError(
-                [Problem(("mission", "items"), f"a path needs two waypoints (three in a loop), found {found}")]
+                [Problem(self._plan.items_key, f"a path needs two waypoints (three in a loop), found {found}")]
             )
         said = [f"{words}{items_in_words(items, self._line_of)}" for words, items in self._notes.items()]
         if self._end is not None:

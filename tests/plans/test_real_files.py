@@ -187,3 +187,22 @@ def test_an_older_file_of_qgroundcontrol_is_refused_as_what_it_is(tmp_path: Path
     file.write_text(json.dumps({"MAV_AUTOPILOT": 12, "items": [], "version": "1.0"}))
     with pytest.raises(ConfigError, match=r'fileType: is not "Plan"; expected a \.plan'):
         load_mission(str(file), None)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("QGC WPL 110\n# home\n0 1 0 16 0 0 0 0 47 8 0 1\n1 0 0 16 0 0 0 0 47 8 5 1\n2 0 0 16 0 0 0 0 47.001 8 5 1\n",
+         "3: home line: heights above sea level, and it is not known how high home"),
+        ("QGC WPL 120\n0 1 0 16 0 0 0 0 47 8 5 1\n1 0 0 16 0 0 0 0 47.001 8 5 1\n",
+         "1: heights above sea level, and it is not known how high home"),
+        (f"{WPL}1 0 3 16 0 0 0 0 47 8 5 1\n", "1: a path needs two waypoints"),
+    ],
+)  # fmt: skip
+def test_a_fault_of_a_waypoint_file_names_what_the_file_has(tmp_path: Path, text: str, said: str) -> None:
+    file = tmp_path / "w.waypoints"
+    file.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_mission(str(file), None)
+    assert str(caught.value).startswith(f"{file}:{said}")
+    assert "mission." not in str(caught.value)

@@ -66,7 +66,7 @@ def prepare_plan(
     home = plan.home or Home(*way.waypoints[0].place[:2], home_altitude)
     above_sea = {waypoint.place.amsl for waypoint in way.waypoints}
     if True in above_sea and home.altitude is None:
-        raise PlanError([Problem(("mission", "plannedHomePosition"), NO_HOME)])
+        raise PlanError([Problem(plan.home_key, NO_HOME)])
     frame = LocalFrame(home.latitude, home.longitude, home.altitude or 0.0)
     _near_enough(way, frame)
     legs = merged(_apart(way, frame), tolerance)

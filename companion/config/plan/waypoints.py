@@ -12,6 +12,8 @@ from companion.mavlink_common import MAV_CMD_NAV_WAYPOINT
 from companion.plans.areas import areas_among
 from companion.plans.items import AMSL_FRAMES, Item, Plan, PlanError
 
+HOME_LINE: Key = ("home line",)
+"""Where home stands in such a file: its first item, where that is one."""
 FAULTS_MAX = 50
 """faults told of one file: more are the same one again."""
 
@@ -49,11 +51,13 @@ def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
     if faults:
         raise ConfigError(faults[:FAULTS_MAX])
     first = items[0] if items else None
-    home, notes = None, tuple[str, ...]()
+    home, home_key, notes = None, Key(), tuple[str, ...]()
     if header[2] == "110" and first is not None and _is_home(first):
         latitude, longitude, altitude = first.params[4:7]
         known = (latitude, longitude) != (0.0, 0.0) and all(map(math.isfinite, first.params[4:7]))
         home = Home(latitude, longitude, altitude or None) if known else None
+        home_key = HOME_LINE
+        where[HOME_LINE] = where[first.key]
         notes = ("the first line is taken for home, as QGroundControl does",)
         items = items[1:]
     document = Document(file, None, where)
@@ -61,7 +65,7 @@ def waypoints_from(text: str, file: str) -> tuple[Plan, Document]:
         fence, items = areas_among(items)
     except PlanError as error:
         raise ConfigError([document.fault(problem.key, problem.message) for problem in error.problems]) from None
-    return Plan(tuple(items), home, fence=fence, notes=notes), document
+    return Plan(tuple(items), home, fence=fence, notes=notes, home_key=home_key, items_key=()), document
 
 
 def _is_home(first: Item) -> bool:
