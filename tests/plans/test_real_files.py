@@ -11,9 +11,11 @@ import pytest
 
 from companion.config.mission.mission import load_mission
 from companion.config.plan.qgroundcontrol import plan_from
+from companion.config.plan.room import RADIUS_LEAST
 from companion.config.plan.source import is_plan
 from companion.config.syntax.faults import ConfigError
 from companion.config.vehicle import load_vehicle
+from companion.feasibility.geometry import RADIUS_MIN
 from companion.feasibility.report import check
 from companion.frames import Vec3
 from companion.geodesy import LocalFrame
@@ -206,3 +208,47 @@ def test_a_fault_of_a_waypoint_file_names_what_the_file_has(tmp_path: Path, text
         load_mission(str(file), None)
     assert str(caught.value).startswith(f"{file}:{said}")
     assert "mission." not in str(caught.value)
+
+
+@pytest.mark.parametrize("short", [1.03, 1.4, 1.8, 2.1])
+@pytest.mark.parametrize("turn", [70.0, 90.0, -100.0])
+def test_a_short_leg_before_the_end_leaves_room_to_turn(tmp_path: Path, short: float, turn: float) -> None:
+    """The last waypoints and the landing a step apart, across the way: the turn is made beyond the waypoint."""
+    to = math.radians(turn)
+    places = [(short + more) for more in (0.0, 0.75)]
+    corners = [
+        (0.0, 0.0, 10.0),
+        (60.0, 0.0, 10.0),
+        *((60.0 + d * math.cos(to), d * math.sin(to), 10.0) for d in places),
+    ]
+    for tried in (corners, corners[::-1]):
+        mission = read(tmp_path, *(waypoint(*corner) for corner in tried))
+        assert check(mission, load_vehicle("x500")).feasible
+        assert strays(mission, *tried) < 1.0
+        assert not mission.notes
+
+
+@pytest.mark.parametrize("turn", [60.0, 90.0, 105.0])
+@pytest.mark.parametrize("sides", [(1, 1), (1, -1)])
+def test_a_short_leg_in_the_middle_leaves_room_to_turn(tmp_path: Path, turn: float, sides: tuple[int, int]) -> None:
+    heading, corners = 0.0, [(0.0, 0.0, 10.0)]
+    for length, side in ((40.0, sides[0]), (1.9, sides[1]), (40.0, 0)):
+        north, east, up = corners[-1]
+        corners.append((north + length * math.cos(heading), east + length * math.sin(heading), up))
+        heading += math.radians(side * turn)
+    mission = read(tmp_path, *(waypoint(*corner) for corner in corners))
+    assert check(mission, load_vehicle("x500")).feasible
+    assert strays(mission, *corners) < 1.0
+
+
+def test_waypoints_that_leave_no_room_are_named(tmp_path: Path) -> None:
+    """A turn of 118 degrees needs legs of 5 m: nothing within the tolerance helps where they have two."""
+    heading, corners = 0.0, [(0.0, 0.0, 10.0)]
+    for length, turn in ((40.0, 118.0), (2.0, 118.0), (2.0, 118.0), (2.0, 0.0)):
+        north, east, up = corners[-1]
+        corners.append((north + length * math.cos(heading), east + length * math.sin(heading), up))
+        heading += math.radians(turn)
+    mission = read(tmp_path, *(waypoint(*corner) for corner in corners))
+    assert not check(mission, load_vehicle("x500")).feasible
+    assert "too near to each other for the turn there" in mission.notes[-1] and "move them apart" in mission.notes[-1]
+    assert RADIUS_LEAST == RADIUS_MIN

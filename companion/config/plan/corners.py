@@ -111,7 +111,7 @@ def _joined(legs: Legs, i: int) -> Legs:
 def turned_round(legs: Legs) -> Legs:
     """A corner too sharp to be rounded within its tolerance is flown as two, a short leg across it between them, to the
     side that leaves the widest bends: two turns at the ends of a short leg look at each other."""
-    across = _sharp(legs)
+    across = sharp_corners(legs)
     chosen = _sides(legs, across)
     points: list[Vec3] = []
     waypoints: list[Waypoint] = []
@@ -157,7 +157,7 @@ def _sides(legs: Legs, across: dict[int, Array]) -> dict[int, float]:
     return chosen
 
 
-def _sharp(legs: Legs) -> dict[int, Array]:
+def sharp_corners(legs: Legs) -> dict[int, Array]:
     """The corners that are to be turned round: half the leg across each."""
     p = np.array(legs.points)
     ahead = np.roll(p, -1, axis=0) - p
@@ -182,13 +182,19 @@ def _both_sides(point: Vec3, half: Array) -> list[Vec3]:
 
 def _tightest(points: list[Vec3], tolerance: float) -> float:
     """m, the least radius of the rounded corners between ``points``, each within ``tolerance`` m of its corner."""
+    return float(np.min(bend_radii(points, tolerance)))
+
+
+def bend_radii(points: list[Vec3], tolerances: float | list[float]) -> Array:
+    """m, the least radius of each rounded corner between ``points``, passed within ``tolerances`` (m, one or each)."""
     p = np.array(points)
     ahead = np.diff(p, axis=0)
     lengths = np.maximum(np.linalg.norm(ahead, axis=1), 1e-9)
     cosines = np.clip(np.sum(ahead[:-1] * ahead[1:], axis=1) / (lengths[:-1] * lengths[1:]), -1.0, 1.0)
     sines = np.maximum(np.sqrt(0.5 * (1.0 - cosines)), 1e-9)
-    reach = np.minimum(SPLIT * np.minimum(lengths[:-1], lengths[1:]), tolerance / (2.0 * PHI[-1] * sines))
-    return float(np.min(reach * 0.5 * (1.0 + cosines) / (BEND * sines)))
+    reach = np.minimum(SPLIT * np.minimum(lengths[:-1], lengths[1:]), np.array(tolerances) / (2.0 * PHI[-1] * sines))
+    radii: Array = reach * 0.5 * (1.0 + cosines) / (BEND * sines)
+    return radii
 
 
 def _across(before: Array, after: Array) -> Array:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from companion.config.plan.corners import Legs, merged, turned_round
+from companion.config.plan.corners import Legs, merged
+from companion.config.plan.room import flyable, too_near
 from companion.config.plan.yaw import leg_yaw
 from companion.fence import Fence
 from companion.frames import Vec3
@@ -71,7 +72,7 @@ def prepare_plan(
     _near_enough(way, frame)
     legs = merged(_apart(way, frame), tolerance)
     if not smooth:
-        legs = turned_round(legs)
+        legs = flyable(legs)
     points = [placement.to_mission(p) for p in legs.points]
     curve = spline(points, legs.closed) if smooth else polyline(points, legs.closed, legs.tolerances)
     curve = curve.placed(placement)
@@ -88,7 +89,7 @@ def prepare_plan(
         yaw=yaw,
         look_at=None if faced_n is None else placement.to_mission(faced_n),
         fence=None if fence is None else fence.moved(placement.to_mission),
-        notes=_notes(plan, way, frame.altitude),
+        notes=(*_notes(plan, way, frame.altitude), *(() if smooth or not (near := too_near(legs)) else (near,))),
         home=home,
         mixed_heights=len(above_sea) == 2,
         actions=_actions(legs, arcs, curve.table.length),
