@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from companion.mavlink_common import MAV_TYPE_GENERIC, MAV_TYPE_QUADROTOR, MAV_TYPE_WORDS
+from companion.mavlink_common import MAV_TYPE_GENERIC, MAV_TYPE_QUADROTOR, VEHICLE_WORDS
 from companion.vehicle import CompanionError
 
 AIRFRAMES = (0, 15)
@@ -38,7 +38,7 @@ def _refuse_airframe(values: Mapping[str, float]) -> None:
         return
     kind = values.get("MAV_TYPE", MAV_TYPE_GENERIC)
     if kind not in TYPES:
-        raise _other(f"MAV_TYPE {kind:g}: {MAV_TYPE_WORDS.get(int(kind), 'another vehicle')}")
+        raise _other(f"MAV_TYPE {kind:g}: {VEHICLE_WORDS.get(int(kind), 'another vehicle')}")
     surfaces = values.get("CA_SV_CS_COUNT", 0)
     if surfaces > 0:
         raise _other(f"CA_SV_CS_COUNT {surfaces:g}: it has control surfaces")

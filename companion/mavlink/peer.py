@@ -67,7 +67,7 @@ class Vehicle(NamedTuple):
         return self.kind in MULTIROTORS
 
     def __str__(self) -> str:
-        name = "multirotor" if self.is_multirotor else mav.MAV_TYPE_WORDS.get(self.kind, "vehicle")
+        name = "multirotor" if self.is_multirotor else mav.VEHICLE_WORDS.get(self.kind, "vehicle")
         return f"{name} (system {self.system}, MAV_TYPE {self.kind})"
 
 
