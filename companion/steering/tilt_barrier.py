@@ -29,7 +29,7 @@ BARRIER_UNDER_DETECTOR = math.radians(4.0)
 BARRIER_RATE = 8.0
 """1/s, k. Engineering choice: half of the rate of PX4's rate loops (1/60 ms), of which more would be beyond a model of
 the horizon. Flown in sih_noisy, circle r5 at 7 m/s in 3 m/s of wind: 56.0 deg at most; the path is off by 8 cm at
-most, with 5 1/s by 10, without the barrier by 5, until the vehicle is handed back."""
+most in four minutes, with 5 1/s by 10, without the barrier by 5, until the vehicle is handed back."""
 LEVEL_MAX = 0.02
 """Number, the sine of the tilt under which a lean has no direction. Engineering choice."""
 
