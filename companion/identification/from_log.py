@@ -158,9 +158,13 @@ def better_log(found: Findings) -> list[str]:
     if found.flown < FLOWN_WANTED:
         advice.append(f"fly longer: {found.flown:.0f} s were in the air, {FLOWN_WANTED:g} s are good")
     for name, axis in zip(AXES, found.axes, strict=True):
-        if axis.excitation < EXCITATION_WANTED or max(axis.lag.relative, axis.authority.relative) > WANTED:
+        doubt = max(axis.lag.relative, axis.authority.relative)
+        if axis.excitation < EXCITATION_WANTED or doubt > WANTED:
             how = "turn the nose to and fro" if name == "yaw" else f"rock it about {name}, or fly a figure-eight"
-            advice.append(f"more {name}: its setpoint moved by {axis.excitation:.2f} rad/s RMS; {how}")
+            lacks = f"its setpoint moved by {axis.excitation:.2f} rad/s RMS"
+            if axis.excitation >= EXCITATION_WANTED and math.isfinite(doubt):
+                lacks = f"known to {100.0 * doubt:.0f} %, {100.0 * WANTED:.0f} are wanted"
+            advice.append(f"more {name}: {lacks}; {how}")
     if found.forces.speed < SPEED_WANTED or found.forces.drag.std > max(WANTED * found.forces.drag.value, 0.02):
         advice.append(f"fly faster, to every side: {found.forces.speed:.1f} m/s RMS tell little of drag")
     if found.forces.curve is None:
