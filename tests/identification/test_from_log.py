@@ -23,11 +23,11 @@ from trials.measured import machine, world
 
 
 def test_what_it_was_flown_with_is_found_within_five_percent(found: Findings) -> None:
-    near(found.forces.hover_thrust, TRUE["hover"])  # type: ignore[arg-type]
-    near(found.forces.drag, TRUE["drag"])  # type: ignore[arg-type]
-    near(found.motor_lag, TRUE["motor_lag"])  # type: ignore[arg-type]
-    near(found.rate_loop_lag, TRUE["loop_lag"])  # type: ignore[arg-type]
-    for axis, authority in zip(found.axes, TRUE["authority"], strict=True):  # type: ignore[call-overload]
+    near(found.forces.hover_thrust, TRUE.hover)
+    near(found.forces.drag, TRUE.drag)
+    near(found.motor_lag, TRUE.motor_lag)
+    near(found.rate_loop_lag, TRUE.loop_lag)
+    for axis, authority in zip(found.axes, TRUE.authority, strict=True):
         near(axis.authority, authority)
     assert np.hypot(found.forces.disturbance_n[0] - 2.0, found.forces.disturbance_n[1] + 1.0) < 0.3
 
@@ -186,5 +186,5 @@ def test_a_unit_of_torque_is_px4s() -> None:
     each = 5.0
     roll, pitch, yaw = unit_torques(rows)
     assert (each * roll / 0.025, each * pitch / 0.025, each * 0.02 * yaw / 0.03) == pytest.approx(
-        TRUE["authority"], rel=1e-3
+        TRUE.authority, rel=1e-3
     )

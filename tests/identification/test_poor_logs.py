@@ -70,7 +70,7 @@ def test_a_log_that_tells_too_little_is_refused_and_nothing_written(
 
 def test_what_is_found_is_told_though_the_rest_is_not(found: Findings, tmp_path: Path) -> None:
     short = identify(saturated(found, 2.0))
-    near(short.forces.hover_thrust, TRUE["hover"], within=0.1)  # type: ignore[arg-type]
+    near(short.forces.hover_thrust, TRUE.hover, within=0.1)
     assert not any(each.is_found for axis in short.axes for each in axis[:4])
     words = words_of(short)
     assert "yaw: rate loop lag not found, gain not found; what torque does: not found" in words
@@ -87,7 +87,7 @@ def test_what_is_found_is_told_though_the_rest_is_not(found: Findings, tmp_path:
 def test_an_axis_that_nobody_moved_is_not_found(found: Findings) -> None:
     still = identify(changed(found.log, "vehicle_rates_setpoint", slice(2, 3), 0.0, 0.0))
     assert not any(each.is_found for each in still.axes[2][:4])
-    near(still.axes[0].authority, TRUE["authority"][0])  # type: ignore[index]
+    near(still.axes[0].authority, TRUE.authority[0])
 
 
 def test_where_no_topic_or_no_height_is_nothing_was_flown(found: Findings) -> None:

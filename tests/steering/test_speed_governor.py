@@ -21,6 +21,7 @@ from companion.steering.speed_governor import (
     course_of,
     govern_speed,
 )
+from companion.steering.tilt_barrier import STEADY_UNDER_DETECTOR
 from trials.measured import machine
 
 G = 9.80665
@@ -124,5 +125,7 @@ def test_the_steady_tilt_stays_eight_degrees_under_the_failure_detector() -> Non
     limits = machine("sih").limits
     assert limits is not None
     steep = dataclasses.replace(limits, tilt=math.radians(60.0))
-    assert math.degrees(math.atan(tan_tilt_max(machine("sih", limits=steep), math.radians(8.0)))) == pytest.approx(52.0)
-    assert math.degrees(math.atan(tan_tilt_max(machine("x500"), math.radians(8.0)))) == pytest.approx(47.0)
+    assert math.degrees(math.atan(tan_tilt_max(machine("sih", limits=steep), STEADY_UNDER_DETECTOR))) == pytest.approx(
+        52.0
+    )
+    assert math.degrees(math.atan(tan_tilt_max(machine("x500"), STEADY_UNDER_DETECTOR))) == pytest.approx(47.0)

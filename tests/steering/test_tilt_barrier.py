@@ -9,8 +9,10 @@ import random
 import pytest
 
 from companion.config.vehicle import load_vehicle
-from companion.frames import Matrix3, tilt, turned
+from companion.daemon.conductor import Conductor
+from companion.frames import Matrix3, from_rotation_vector, multiply, rotation_matrix, tilt, turned
 from companion.steering.tilt_barrier import BARRIER_RATE, BARRIER_UNDER_DETECTOR, within_barrier
+from sim_bridge.plant import Truth
 from trials.measured import course, machine, measure_flight, steady_wind, world
 
 LIMITS = load_vehicle("x500").limits
@@ -21,12 +23,8 @@ UPRIGHT: Matrix3 = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 def leaning(angle: float, towards: float, nose: float = 0.0) -> Matrix3:
     """An attitude ``angle`` rad steep, about the body axis ``towards`` rad from the nose."""
-    r = turned(UPRIGHT, (0.0, 0.0, nose / 1000), 1.0)
-    for _ in range(999):
-        r = turned(r, (0.0, 0.0, nose / 1000), 1.0)
-    for _ in range(1000):
-        r = turned(r, (angle * math.cos(towards) / 1000, angle * math.sin(towards) / 1000, 0.0), 1.0)
-    return r
+    lean = from_rotation_vector((angle * math.cos(towards), angle * math.sin(towards), 0.0))
+    return rotation_matrix(multiply(from_rotation_vector((0.0, 0.0, nose)), lean))
 
 
 def test_rates_far_from_it_are_as_asked_for() -> None:
@@ -71,9 +69,9 @@ def test_a_path_at_the_steepest_tilt_in_wind_and_noise_is_flown_under_the_detect
     told = dataclasses.replace(sih, limits=dataclasses.replace(sih.limits, tilt=math.radians(60.0)))
     steepest = 0.0
 
-    def watch(conductor: object, truth: object, now: float) -> None:
+    def watch(conductor: Conductor, truth: Truth, now: float) -> None:
         nonlocal steepest
-        state = conductor.memory.state if conductor.memory else None  # type: ignore[attr-defined]
+        state = conductor.memory.state if conductor.memory else None
         steepest = max(steepest, 0.0 if state is None else state.tilt)
 
     windy = world("sih_noisy", wind_n=steady_wind(3.0, 14))
