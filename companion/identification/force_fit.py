@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from companion.identification.flight_data import STEP, Part, telling
 from companion.identification.least_squares import Array, fit
-from companion.identification.rate_fit import BLOCK, Found, blocks_of, first_order
+from companion.identification.rate_fit import BLOCK, Found, blocks_of, first_order, seconds
 from companion.vehicle import GRAVITY, CompanionError
 
 VERTICAL_STD, BIAS_STD = 0.15, 0.1
@@ -141,7 +141,7 @@ def _laid_end_to_end(parts: Sequence[Part]) -> _Data:
     kept = [part.accelerometer_new & telling(part) for part in parts]
     count = sum(int(k.sum()) for k in kept)
     if count < SAMPLES_MIN:
-        told, flown = (STEP * sum(map(len, each)) for each in ([p.t[telling(p)] for p in parts], [p.t for p in parts]))
+        told, flown = seconds([telling(part) for part in parts]), STEP * sum(len(part.t) for part in parts)
         raise CompanionError(
             f"too little of the log tells anything: of {flown:.1f} s in the air the motors were off their limits for "
             f"{told:.1f} s, with {count} samples of the accelerometer; {SAMPLES_MIN} are needed. Nothing was written. "

@@ -226,11 +226,9 @@ def _hides_motor_lag(found: Findings) -> str:
     if found.motor_lag.value < LAG_PER_PERIOD * period:
         return f"samples every {1e3 * period:.0f} ms tell none under {1e3 * LAG_PER_PERIOD * period:.0f} ms"
     moved = min(axis.excitation for axis in found.axes[:2])
-    return (
-        ""
-        if moved >= EXCITATION_WANTED
-        else f"roll or pitch moved by {moved:.2f} rad/s RMS, {EXCITATION_WANTED:g} tell it"
-    )
+    if moved < EXCITATION_WANTED:
+        return f"roll or pitch moved by {moved:.2f} rad/s RMS, {EXCITATION_WANTED:g} tell it"
+    return ""
 
 
 def _turning(base: Description, data: Mapping[str, Any], hover: float, found: Findings) -> dict[str, Any]:

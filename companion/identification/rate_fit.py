@@ -81,7 +81,7 @@ def fit_axis(parts: Sequence[Part], axis: int, gyro_cutoff: float) -> AxisFit:
     commands = [part.rates_setpoint[:, axis] for part in parts]
     excitation = float(np.std(np.concatenate(commands)))
     start = STARTS[axis]
-    if _seconds(settled) < TOLD_MIN:
+    if seconds(settled) < TOLD_MIN:
         return AxisFit(Found(start[0], math.inf), Found(start[1], math.inf), *NO_TORQUE, excitation, ())
     gyro = [part.gyro[:, axis] for part in parts]
 
@@ -105,7 +105,7 @@ def fit_axis(parts: Sequence[Part], axis: int, gyro_cutoff: float) -> AxisFit:
     return AxisFit(gain, lag, authority, motor_lag, excitation, tuple(answered(loop.values)))
 
 
-def _seconds(kept: Sequence[NDArray[np.bool_]]) -> float:
+def seconds(kept: Sequence[NDArray[np.bool_]]) -> float:
     """s of the flight that are kept."""
     return STEP * float(sum(np.count_nonzero(each) for each in kept))
 
@@ -128,7 +128,7 @@ def _torque(
     from scipy.signal import butter, lfilter
 
     kept = [s & (part.t > part.t[0] + SETTLING + INSTRUMENT_LAGS[-1]) for part, s in zip(parts, settled, strict=True)]
-    if _seconds(kept) < TOLD_MIN:
+    if seconds(kept) < TOLD_MIN:
         return NO_TORQUE
     band, smooth = butter(2, BAND, "bandpass", fs=1.0 / STEP), _low_pass(gyro_cutoff)
     rates = [lfilter(*band, part.gyro[:, axis]) for part in parts]
