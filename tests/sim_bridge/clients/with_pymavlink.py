@@ -62,6 +62,10 @@ class Flight:
     def is_in(self, mode: str) -> bool:
         return self.until("HEARTBEAT", lambda m: m.get_srcSystem() == 1 and self.link.flightmode == mode)
 
+    def heard(self, text: str) -> bool:
+        """Whether it was said, or is within patience: a heartbeat may come before the words of the same moment."""
+        return any(text in said for said in self.texts) or self.until("STATUSTEXT", lambda m: text in m.text)
+
     def parameters(self) -> None:
         """All of them; what UDP lost on a busy machine is asked for again, by index, as every ground station does."""
         self.link.param_fetch_all()
@@ -114,8 +118,8 @@ class Flight:
         say("returns", self.is_in("RTL"))
         self.link.motors_disarmed_wait()
         say("disarmed", not self.link.motors_armed())
-        say("landed", any("Landing detected" in text for text in self.texts))
-        say("armed text", any("Armed by external command" in text for text in self.texts))
+        say("landed", self.heard("Landing detected"))
+        say("armed text", self.heard("Armed by external command"))
 
     def offboard(self) -> None:
         self.link.set_mode("LOITER")
@@ -137,7 +141,7 @@ class Flight:
             there = where is not None and math.dist((where.x, where.y, where.z), (-4.0, 0.0, -5.0)) < 0.7
         say("there", there)
         say("lost", self.is_in("RTL"))  # the stream has ended
-        say("failsafe", any("Failsafe activated" in text for text in self.texts))
+        say("failsafe", self.heard("Failsafe activated"))
         say("land", self.ask(MAV.MAV_CMD_NAV_LAND, *(math.nan,) * 7))
         self.link.motors_disarmed_wait()
         say("down", True)
