@@ -21,14 +21,13 @@ import sys
 import tempfile
 import time
 import unittest.mock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from companion.calculus.scalar import Scalar
-from companion.calculus.straight import Function, Tape
+from companion.calculus.straight import Function, Outputs, Tape, flat
 from companion.estimation import kalman_step
 from companion.study.engine import flown
 from companion.study.flying import Case, cases_of, row_of
@@ -192,10 +191,10 @@ def _landed(folder: Path) -> int:
 
 def tape() -> None:
     """Print what numpy gains on the recorded step of the filter."""
-    made: list[tuple[Tape, str, Sequence[Scalar]]] = []
+    made: list[tuple[Tape, str, Outputs]] = []
 
     class Kept(Tape):
-        def function(self, name: str, outputs: Sequence[Scalar]) -> Function:
+        def function(self, name: str, outputs: Outputs) -> Function:
             made.append((self, name, outputs))
             return super().function(name, outputs)
 
@@ -204,25 +203,22 @@ def tape() -> None:
     recorded, name, outputs = made[0]
     many = recorded.array_function(name, outputs)
     covariance = [1.0 if i == j else 0.01 for i, j in kalman_step.UPPER] * kalman_step.AXES
-    given = [
-        0.008,
-        0.1,
-        0.2,
-        -9.8,
-        9.8,
-        *[0.1] * 6,
-        1e-6,
-        1e-3,
-        *[0.01] * 9,
-        1e-5,
-        *[0.1] * kalman_step.SIZE,
-        *covariance,
-        *[0.1] * (2 * kalman_step.AXES * kalman_step.PER_AXIS),
-        *(0.04, 0.01, 0.25),
-    ]
+    axis, belief = (0.1,) * kalman_step.AXES, (0.1,) * kalman_step.SIZE
+    given = (
+        *(0.008, (0.1, 0.2, -9.8), 9.8, axis, axis, 1e-6, 1e-3),
+        *((0.01,) * kalman_step.AXES,) * 4,
+        *(0.01, 1e-4, 1e-5, 1e-5, axis),
+        *(
+            belief,
+            tuple(covariance),
+            (0.1,) * (2 * kalman_step.AXES * kalman_step.PER_AXIS),
+            (0.04, 0.01, 0.25),
+            belief,
+        ),
+    )
     alone = _least(lambda: one(*given), 800)
     for count in (100, 1000, 10000):
-        arrays = [np.full(count, value) for value in given]
+        arrays = [np.full(count, value) for value in flat(given)]
         together = _least(lambda arrays=arrays: many(*arrays), 10) / count  # type: ignore[misc]
         print(
             f"N = {count}: {1e6 * together:.2f} us a flight, alone {1e6 * alone:.0f} us: {alone / together:.0f} times"

@@ -80,7 +80,7 @@ def advance_of(body: Body, step: float) -> Advance:
         return runge_kutta(derivative_of(body), step)
     more_drag = (body.rotor_drag, body.quadratic_drag)
     function = _recorded(step, any(more_drag))
-    known = [body.mass, *body.inertia, body.drag, body.angular_drag]
+    known: tuple[float, ...] = (body.mass, *body.inertia, body.drag, body.angular_drag)
     for torque in body.torques_per_newton:
         known += torque
     known += more_drag if any(more_drag) else ()
@@ -88,9 +88,7 @@ def advance_of(body: Body, step: float) -> Advance:
     def advance(
         motion: Motion, thrusts: tuple[Four, Four, Four], wind_n: Vec3, given: Vec3, turn: float
     ) -> Motion:  # fmt: skip
-        first, middle, last = thrusts
-        # a recorded function is typed to return any number of floats; here they are a Motion's thirteen
-        return function(*known, *motion, *first, *middle, *last, *wind_n, *given, turn)  # type: ignore[return-value]
+        return function(known, motion, *thrusts, wind_n, given, turn)
 
     return advance
 
@@ -99,14 +97,17 @@ def advance_of(body: Body, step: float) -> Advance:
 def _recorded(step: float, has_more_drag: bool) -> Function:
     """A step of any body: a function of what ``derivative_of`` takes of it, and then of what ``Advance`` takes."""
     tape = Tape()
-    mass, jx, jy, jz, drag, angular_drag = tape.inputs("m", "jx", "jy", "jz", "c", "d")
-    a, b, c, d = (tape.inputs(f"l{i}", f"m{i}", f"n{i}") for i in range(4))
-    more_drag = tape.inputs("c_r", "c_2") if has_more_drag else (0.0, 0.0)
+    arms = [f"{axis}{i}" for i in range(4) for axis in "lmn"]
+    names = ("m", "jx", "jy", "jz", "c", "d", *arms, *(("c_r", "c_2") if has_more_drag else ()))
+    mass, jx, jy, jz, drag, angular_drag, *rest = tape.tuple_input(*names)
+    a, b, c, d = (rest[i : i + 3] for i in range(0, 12, 3))
+    more_drag = rest[12:] if has_more_drag else (0.0, 0.0)
     # symbols in the place of floats, for which Body and Advance are typed
     body = Body(mass, (jx, jy, jz), 0.0, drag, angular_drag, (a, b, c, d), *more_drag)  # type: ignore[arg-type]
-    motion = tape.inputs("pn", "pe", "pd", "vn", "ve", "vd", "qw", "qx", "qy", "qz", "p", "q", "r")
-    first, middle, last = (tape.inputs(*(f"{when}{i}" for i in range(4))) for when in "fgh")
-    wind_n, given, (turn,) = tape.inputs("wn", "we", "wd"), tape.inputs("an", "ae", "ad"), tape.inputs("turn")
+    motion = tape.tuple_input("pn", "pe", "pd", "vn", "ve", "vd", "qw", "qx", "qy", "qz", "p", "q", "r")
+    first, middle, last = (tape.tuple_input(*(f"{when}{i}" for i in range(4))) for when in "fgh")
+    wind_n, given = tape.tuple_input("wn", "we", "wd"), tape.tuple_input("an", "ae", "ad")
+    (turn,) = tape.inputs("turn")
     advance = runge_kutta(derivative_of(body, scalar.sqrt), step, scalar.sqrt)
     outputs = advance(motion, (first, middle, last), wind_n, given, turn)  # type: ignore[arg-type]
     return machine_code.function_of(tape, "advance", outputs)

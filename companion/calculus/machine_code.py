@@ -21,7 +21,7 @@ from functools import lru_cache
 from typing import Any
 
 from companion.calculus.scalar import Scalar
-from companion.calculus.straight import Function, Symbol, Tape
+from companion.calculus.straight import Function, Outputs, Symbol, Tape
 
 in_use = False
 """Whether ``function_of`` gives machine code in this process."""
@@ -43,6 +43,7 @@ _DECLARED = """\
 declare double @PyFloat_AsDouble(ptr)
 declare ptr @PyFloat_FromDouble(double)
 declare ptr @PyTuple_New(i64)
+declare i64 @PyTuple_Size(ptr)
 declare i32 @PyTuple_SetItem(ptr, i64, ptr)
 declare ptr @PyErr_Occurred()
 declare void @PyErr_SetString(ptr, ptr)
@@ -64,6 +65,8 @@ unread:
 }
 """
 """Where a call ends that gives nothing but an exception."""
+_TUPLE_HEAD = tuple.__basicsize__
+"""bytes of a tuple before its items."""
 _METH_FASTCALL = 0x0080
 """Python's flag of a function that is given a C array of its arguments, and their number."""
 _owners: list[Any] = []  # of the code; it is never given back
@@ -89,25 +92,36 @@ def use() -> bool:
     return in_use
 
 
-def function_of(tape: Tape, name: str, outputs: Sequence[Scalar]) -> Function:
+def function_of(tape: Tape, name: str, outputs: Outputs) -> Function:
     """``tape.function``, as machine code where that is in use and can be."""
     text = assembly(tape, outputs) if in_use else None
     return tape.function(name, outputs) if text is None else compiled(text)
 
 
-def assembly(tape: Tape, outputs: Sequence[Scalar]) -> str | None:
-    """The function in LLVM's language, as Python calls its own: it returns a tuple of floats, or none after it has set
-    an exception. None: it uses a function that is not known here."""
+def assembly(tape: Tape, outputs: Outputs) -> str | None:
+    """The function in LLVM's language, as Python calls its own: it returns a tuple, or none after it has set an
+    exception. None: it uses a function that is not known here."""
+    inputs = _inputs(tape)
     lines, values, doubts = list[str](), dict[int, str](), list[str]()
 
     def operand(scalar: Scalar) -> str:
         return values[scalar.index] if isinstance(scalar, Symbol) else _constant(scalar)
 
+    def object_of(output: Scalar | Sequence[Scalar], name: str) -> str:
+        """The object of an output, by its name."""
+        if isinstance(output, Sequence):
+            lines.append(f"{name} = call ptr @PyTuple_New(i64 {len(output)})")
+            for at, item in enumerate(output):
+                lines.append(f"call i32 @PyTuple_SetItem(ptr {name}, i64 {at}, ptr {object_of(item, f'{name}_{at}')})")
+        else:
+            lines.append(f"{name} = call ptr @PyFloat_FromDouble(double {operand(output)})")
+        return name
+
     for symbol in tape.needed(outputs):
         k, operation = symbol.index, symbol.operation
         own = values[k] = f"%v{k}"
         if operation == "input":
-            lines += [f"%at{k} = getelementptr ptr, ptr %given, i64 {tape.place(symbol)}"]
+            lines += [f"%at{k} = {inputs[symbol.arguments[0]]}"]
             lines += [f"%object{k} = load ptr, ptr %at{k}", f"{own} = call double @PyFloat_AsDouble(ptr %object{k})"]
             continue
         arguments = [operand(argument) for argument in symbol.arguments]
@@ -137,14 +151,35 @@ def assembly(tape: Tape, outputs: Sequence[Scalar]) -> str | None:
     lines += ["%error = call ptr @PyErr_Occurred()", "%is_read = icmp eq ptr %error, null"]
     lines += ["br i1 %is_read, label %judge, label %unread", "judge:"]
     lines += [f"br i1 {(doubts or ['false'])[-1]}, label %raised, label %answer", "answer:"]
-    lines += [f"%tuple = call ptr @PyTuple_New(i64 {len(outputs)})"]
-    for at, output in enumerate(outputs):
-        lines.append(f"%made{at} = call ptr @PyFloat_FromDouble(double {operand(output)})")
-        lines.append(f"call i32 @PyTuple_SetItem(ptr %tuple, i64 {at}, ptr %made{at})")
-    lines += ["ret ptr %tuple"]
-    begin = ["define ptr @function(ptr %self, ptr %given, i64 %count) {"]
-    begin += [f"%fits = icmp eq i64 %count, {tape.arity}", "br i1 %fits, label %compute, label %miscalled", "compute:"]
-    return "\n".join([_DECLARED, *begin, *lines, _FAILED])
+    lines.append(f"ret ptr {object_of(outputs, '%made')}")
+    return "\n".join([_DECLARED, *_begun(tape), *lines, _FAILED])
+
+
+def _begun(tape: Tape) -> list[str]:
+    """The beginning of the function: whether it is given what it takes."""
+    lines = ["define ptr @function(ptr %self, ptr %given, i64 %count) {"]
+    lines += [f"%fits = icmp eq i64 %count, {len(tape.arguments)}"]
+    lines += ["br i1 %fits, label %open, label %miscalled", "open:"]
+    fits = "true"
+    for at, names in enumerate(tape.arguments):
+        if isinstance(names, tuple):
+            lines += [f"%place{at} = getelementptr ptr, ptr %given, i64 {at}", f"%tuple{at} = load ptr, ptr %place{at}"]
+            lines += [f"%size{at} = call i64 @PyTuple_Size(ptr %tuple{at})"]
+            lines += [f"%has{at} = icmp eq i64 %size{at}, {len(names)}", f"%fits{at} = and i1 {fits}, %has{at}"]
+            fits = f"%fits{at}"
+    return [*lines, f"br i1 {fits}, label %compute, label %miscalled", "compute:"]
+
+
+def _inputs(tape: Tape) -> dict[str, str]:
+    """Where the object of each input is: among the arguments, or among the items of one."""
+    places = dict[str, str]()
+    for at, given in enumerate(tape.arguments):
+        if isinstance(given, str):
+            places[given] = f"getelementptr ptr, ptr %given, i64 {at}"
+        else:
+            for item, name in enumerate(given):
+                places[name] = f"getelementptr i8, ptr %tuple{at}, i64 {_TUPLE_HEAD + item * struct.calcsize('P')}"
+    return places
 
 
 @lru_cache(maxsize=256)

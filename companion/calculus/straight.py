@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from companion.calculus.scalar import ARRAY_FUNCTIONS, FLOAT_FUNCTIONS, Scalar
 
-Function = Callable[..., tuple[float, ...]]
+Function = Callable[..., tuple[Any, ...]]
+"""Of floats and tuples of floats, to a tuple of such."""
+Outputs = Sequence[Scalar | Sequence[Scalar]]
 ArrayFunction = Callable[..., NDArray[np.float64]]
 
 _OPERATORS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
@@ -104,11 +106,17 @@ class Tape:
     def __init__(self) -> None:
         self._symbols: list[Symbol] = []
         self._known: dict[tuple[Any, ...], Symbol] = {}
-        self._inputs: list[str] = []
+        self.arguments: list[tuple[str, ...] | str] = []
+        """What the function will take, in the order it was made: floats, and tuples of so many floats."""
 
     def inputs(self, *names: str) -> tuple[Symbol, ...]:
-        """New inputs. The function will take all inputs, in the order they were made."""
-        self._inputs += names
+        """New inputs, each an argument of the function."""
+        self.arguments += names
+        return tuple(self.record("input", (name,)) for name in names)
+
+    def tuple_input(self, *names: str) -> tuple[Symbol, ...]:
+        """New inputs that the function takes together, as one tuple."""
+        self.arguments.append(names)
         return tuple(self.record("input", (name,)) for name in names)
 
     def record(self, operation: str, arguments: tuple[Any, ...]) -> Symbol:
@@ -121,28 +129,19 @@ class Tape:
             self._known[key] = symbol
         return symbol
 
-    @property
-    def arity(self) -> int:
-        """Number of inputs."""
-        return len(self._inputs)
-
-    def place(self, symbol: Symbol) -> int:
-        """Which of the inputs a symbol is."""
-        return self._inputs.index(symbol.arguments[0])
-
-    def needed(self, outputs: Sequence[Scalar]) -> list[Symbol]:
+    def needed(self, outputs: Outputs) -> list[Symbol]:
         """What the outputs are made of, each after what it is made of itself."""
         uses = self._uses(outputs)
         return [symbol for symbol in self._symbols if symbol.index in uses]
 
-    def function(self, name: str, outputs: Sequence[Scalar]) -> Function:
-        """A Python function of the inputs that returns ``outputs`` as a tuple of floats."""
-        function: Function = self._compiled(name, outputs, FLOAT_FUNCTIONS)
-        return function
+    def function(self, name: str, outputs: Outputs) -> Function:
+        """A Python function of the arguments that returns ``outputs`` as a tuple."""
+        return self._compiled(self.source(name, outputs), name, FLOAT_FUNCTIONS)
 
-    def array_function(self, name: str, outputs: Sequence[Scalar]) -> ArrayFunction:
-        """The same function for many inputs at once: arrays (or floats) in, one row an output, nan where undefined."""
-        function = self._compiled(name, outputs, ARRAY_FUNCTIONS)
+    def array_function(self, name: str, outputs: Outputs) -> ArrayFunction:
+        """The same for many inputs at once: arrays (or floats) in, every input for itself, one row an output, nan where
+        undefined."""
+        function = self._compiled(self._source(name, flat(self.arguments), flat(outputs)), name, ARRAY_FUNCTIONS)
 
         def rows(*inputs: NDArray[np.float64] | float) -> NDArray[np.float64]:
             with np.errstate(all="ignore"):
@@ -151,18 +150,22 @@ class Tape:
 
         return rows
 
-    def _compiled(
-        self, name: str, outputs: Sequence[Scalar], functions: Mapping[str, Callable[..., Any]]
-    ) -> Callable[..., Any]:
+    @staticmethod
+    def _compiled(source: str, name: str, functions: Mapping[str, Callable[..., Any]]) -> Function:
         namespace: dict[str, Any] = {f"_{n}": f for n, f in functions.items()}
-        exec(compile(self.source(name, outputs), f"<{name}>", "exec"), namespace)
-        function: Callable[..., Any] = namespace[name]
+        exec(compile(source, f"<{name}>", "exec"), namespace)
+        function: Function = namespace[name]
         return function
 
-    def source(self, name: str, outputs: Sequence[Scalar]) -> str:
+    def source(self, name: str, outputs: Outputs) -> str:
         """The text of that function: only names made here and float constants stand in it."""
+        return self._source(name, self.arguments, outputs)
+
+    def _source(self, name: str, arguments: Sequence[tuple[str, ...] | str], outputs: Outputs) -> str:
         uses = self._uses(outputs)
-        lines = [f"def {name}({', '.join(self._inputs)}):"]
+        taken = [given if isinstance(given, str) else f"_{at}" for at, given in enumerate(arguments)]
+        lines = [f"def {name}({', '.join(taken)}):"]
+        lines += [f"    {', '.join(given)}, = _{at}" for at, given in enumerate(arguments) if isinstance(given, tuple)]
         text: dict[int, str] = {}
         nesting: dict[int, int] = {}
         for symbol in self._symbols:
@@ -185,14 +188,19 @@ class Tape:
             else:
                 lines.append(f"    t{index} = {value}")
                 text[index], nesting[index] = f"t{index}", 0
-        returned = [text[o.index] if isinstance(o, Symbol) else _constant(o) for o in outputs]
-        lines.append(f"    return ({''.join(f'{item}, ' for item in returned)})")
+
+        def returned(output: Scalar | Sequence[Scalar]) -> str:
+            if isinstance(output, Sequence):
+                return f"({''.join(f'{returned(item)}, ' for item in output)})"
+            return text[output.index] if isinstance(output, Symbol) else _constant(output)
+
+        lines.append(f"    return {returned(outputs)}")
         return "\n".join(lines) + "\n"
 
-    def _uses(self, outputs: Sequence[Scalar]) -> dict[int, int]:
+    def _uses(self, outputs: Outputs) -> dict[int, int]:
         """How often each symbol is used on the way to the outputs."""
         uses: dict[int, int] = {}
-        for output in outputs:
+        for output in flat(outputs):
             if isinstance(output, Symbol):
                 uses[output.index] = uses.get(output.index, 0) + 1
         for symbol in reversed(self._symbols):
@@ -201,6 +209,11 @@ class Tape:
                     if isinstance(argument, Symbol):
                         uses[argument.index] = uses.get(argument.index, 0) + 1
         return uses
+
+
+def flat(given: Sequence[Any]) -> list[Any]:
+    """The members of a sequence, those of tuples and lists in it in their places."""
+    return [item for each in given for item in (each if isinstance(each, tuple | list) else (each,))]
 
 
 def _ordered(a: Symbol, b: Scalar) -> tuple[Scalar, Scalar]:

@@ -90,33 +90,28 @@ def adapt_noise(
     """The levels ``dt`` s later, after an ``innovation`` that led to ``belief``. ``measurements``: their variances are
     drawn to where innovations are as large as predicted. ``levels``: the stationary variances of U, B and W are drawn
     to estimate squared plus variance of the estimate. The noise of D and E and the tilt error settle in any case."""
-    told = adaptation_of(measurements, levels, machine_code.in_use)(
-        dt, noise.position, noise.velocity, *noise.wander, *noise.velocity_error, *noise.gust, *noise.disturbance_q,
-        noise.heading_error, noise.tilt_error, *innovation.residual, *innovation.variance,
-        *belief.x, *belief.S, *belief.G, *belief.T,
-    )  # fmt: skip
-    position, velocity, u, v, w, b, c, d, x, y, z, north, east, down, heading_error, tilt_error = told
+    adapt = adaptation_of(measurements, levels, machine_code.in_use)
     return NoiseLevels(
-        position, velocity, (u, v, w), (b, c, d), (x, y, z), (north, east, down), heading_error, tilt_error
+        *adapt(dt, *noise, innovation.residual, innovation.variance, belief.x, belief.S, belief.G, belief.T)
     )
 
 
 @lru_cache(maxsize=8)
 def adaptation_of(measurements: bool, levels: bool, in_machine_code: bool) -> Function:
-    """``adapt_noise``, recorded: (dt, noise, innovations, variances, state, S, G, T) -> noise. ``in_machine_code``:
-    whether that is in use."""
+    """``adapt_noise``, recorded: (dt, NoiseLevels, innovations, variances, state, S, G, T) -> those of a
+    NoiseLevels. ``in_machine_code``: whether that is in use."""
     tape = Tape()
     (dt,) = tape.inputs("dt")
     variances = tape.inputs("rp", "rv")
-    stationary = [tape.inputs(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
-    disturbance_q = tape.inputs("qdx", "qdy", "qdz")
+    stationary = [tape.tuple_input(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
+    disturbance_q = tape.tuple_input("qdx", "qdy", "qdz")
     attitude = tape.inputs("e", "t")
-    residuals = tape.inputs(*(f"i{k}" for k in range(2 * AXES)))
-    predicted = tape.inputs(*(f"v{k}" for k in range(2 * AXES)))
-    x = tape.inputs(*(f"x{i}" for i in range(SIZE)))
-    S = tape.inputs(*(f"s{i}" for i in range(AXES * len(UPPER))))
-    G = tape.inputs(*(f"g{i}" for i in range(2 * AXES * PER_AXIS)))
-    T = tape.inputs("tkk", "tkc", "tcc")
+    residuals = tape.tuple_input(*(f"i{k}" for k in range(2 * AXES)))
+    predicted = tape.tuple_input(*(f"v{k}" for k in range(2 * AXES)))
+    x = tape.tuple_input(*(f"x{i}" for i in range(SIZE)))
+    S = tape.tuple_input(*(f"s{i}" for i in range(AXES * len(UPPER))))
+    G = tape.tuple_input(*(f"g{i}" for i in range(2 * AXES * PER_AXIS)))
+    T = tape.tuple_input("tkk", "tkc", "tcc")
     if measurements:
         variances = _adapted_variances(variances, residuals, predicted, dt)
     if levels:
@@ -128,18 +123,10 @@ def adaptation_of(measurements: bool, levels: bool, in_machine_code: bool) -> Fu
                 )
             )
     k = dt / SETTLING_TIME
-    settled = zip(
-        (*disturbance_q, *attitude), (*DISTURBANCE_Q, HEADING_ERROR_VARIANCE, TILT_ERROR_VARIANCE), strict=True
-    )
-    return machine_code.function_of(
-        tape,
-        "adaptation",
-        [
-            *variances,
-            *(level for kind in stationary for level in kind),
-            *(now + k * (last - now) for now, last in settled),
-        ],
-    )
+    disturbance_q = tuple(now + k * (last - now) for now, last in zip(disturbance_q, DISTURBANCE_Q, strict=True))
+    settled = (HEADING_ERROR_VARIANCE, TILT_ERROR_VARIANCE)
+    attitude = tuple(now + k * (last - now) for now, last in zip(attitude, settled, strict=True))
+    return machine_code.function_of(tape, "adaptation", [*variances, *stationary, disturbance_q, *attitude])
 
 
 def _adapted_variances(

@@ -61,14 +61,6 @@ from companion.estimation.kalman_step import (
 from companion.estimation.noise_levels import NoiseLevels
 from companion.frames import Vec3
 
-G_AT = SIZE + AXES * len(UPPER)
-"""Index of G in what a step gives. By definition of the model."""
-T_AT = G_AT + 2 * AXES * PER_AXIS
-"""Index of T in it. By definition of the model."""
-BY_LAG_AT = T_AT + 3
-"""Index of what goes with the motors' lag in it. By definition of the model."""
-SEEN_AT = BY_LAG_AT + SIZE
-"""Index of the innovations in it. By definition of the model."""
 PRIOR_POSITION_STD = 1e-3
 """m. The reported position is what is followed, whatever the true one. Engineering choice."""
 PRIOR_DISTURBANCE_STD: Vec3 = (1.5, 1.5, 0.05)
@@ -237,12 +229,7 @@ def predict_and_update(
     ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes k and c. ``thrust_scale_q``: 1/s, ``drag_q``:
     1/s^3, process noise of k and of c. ``thrust_by_lag_n``: dF/dL, m/s^3.
     """
-    told = step_of(learning, machine_code.in_use)(
-        dt, *specific_thrust_n, gravity, *p_n, *v_n, noise.position, noise.velocity, *noise.wander,
-        *noise.velocity_error, *noise.gust, *noise.disturbance_q, noise.heading_error, noise.tilt_error,
-        thrust_scale_q, drag_q, *belief.x, *belief.S, *belief.G, *belief.T, *thrust_by_lag_n, *belief.by_lag,
-    )  # fmt: skip
-    kk, kc, cc = told[T_AT:BY_LAG_AT]
-    later = Belief(told[:SIZE], told[SIZE:G_AT], told[G_AT:T_AT], (kk, kc, cc), told[BY_LAG_AT:SEEN_AT])
-    seen, count = told[SEEN_AT:], 2 * AXES
-    return later, Innovation(seen[:count], seen[count : 2 * count], seen[2 * count :])
+    x, S, G, T, by_lag, residual, variance, residual_by_lag = step_of(learning, machine_code.in_use)(
+        dt, specific_thrust_n, gravity, p_n, v_n, *noise, thrust_scale_q, drag_q, thrust_by_lag_n, *belief
+    )
+    return Belief(x, S, G, T, by_lag), Innovation(residual, variance, residual_by_lag)

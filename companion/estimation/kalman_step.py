@@ -92,21 +92,18 @@ class _Axis(NamedTuple):
 def _record_step(name: str, *, learning: bool) -> Function:
     """``learning``: False freezes k and c; they move neither their axes nor their own covariance (Schmidt)."""
     tape = Tape()
-    dt, *F, g = tape.inputs("dt", "fx", "fy", "fz", "g")
-    measured = tape.inputs("xm", "ym", "zm", "vxm", "vym", "vzm")
+    (dt,), F, (g,) = tape.inputs("dt"), tape.tuple_input("fx", "fy", "fz"), tape.inputs("g")
+    measured = (*tape.tuple_input("xm", "ym", "zm"), *tape.tuple_input("vxm", "vym", "vzm"))
     noise_p, noise_v = tape.inputs("rp", "rv")
-    levels = [tape.inputs(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
-    disturbance_q = tape.inputs("qdx", "qdy", "qdz")
-    heading_error, tilt_error = tape.inputs("e", "t")
-    scale_q, drag_q = tape.inputs("qk", "qc")
-    states = [tape.inputs(*(f"x{axis}{i}" for i in range(PER_AXIS))) for axis in range(AXES)]
-    scale, c = tape.inputs("k", "c")
-    upper = [tape.inputs(*(f"s{axis}{i}{j}" for i, j in UPPER)) for axis in range(AXES)]
-    slopes = [tape.inputs(*(f"g{axis}{i}{k}" for i in range(PER_AXIS) for k in "kc")) for axis in range(AXES)]
-    tkk, tkc, tcc = tape.inputs("tkk", "tkc", "tcc")
-    F_by_lag = tape.inputs("flx", "fly", "flz")
-    by_lag = [tape.inputs(*(f"y{axis}{i}" for i in range(PER_AXIS))) for axis in range(AXES)]
-    scale_by_lag, c_by_lag = tape.inputs("yk", "yc")
+    levels = [tape.tuple_input(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
+    disturbance_q = tape.tuple_input("qdx", "qdy", "qdz")
+    heading_error, tilt_error, scale_q, drag_q = tape.inputs("e", "t", "qk", "qc")
+    F_by_lag = tape.tuple_input("flx", "fly", "flz")
+    *states, (scale, c) = _by_axis(tape.tuple_input(*(f"x{i}" for i in range(SIZE))), PER_AXIS)
+    upper = _by_axis(tape.tuple_input(*(f"s{i}" for i in range(AXES * len(UPPER)))), len(UPPER))
+    slopes = _by_axis(tape.tuple_input(*(f"g{i}" for i in range(2 * AXES * PER_AXIS))), 2 * PER_AXIS)
+    tkk, tkc, tcc = tape.tuple_input("tkk", "tkc", "tcc")
+    *by_lag, (scale_by_lag, c_by_lag) = _by_axis(tape.tuple_input(*(f"y{i}" for i in range(SIZE))), PER_AXIS)
     T: Matrix = [[tkk, tkc], [tkc, tcc]]
     Q = (scale_q * dt, drag_q * dt)
     across: tuple[Scalar, ...] = (F[1] * -1.0, F[0], 0.0)  # e3 x F, by which E turns it
@@ -138,17 +135,22 @@ def _record_step(name: str, *, learning: bool) -> Function:
     positions = [update(known, T, moved, (POSITION,), measured[i], noise_p) for i, known in enumerate(axes)]
     both = (VELOCITY, VELOCITY_ERROR)
     velocities = [update(known, T, moved, both, measured[AXES + i], noise_v) for i, known in enumerate(axes)]
-    seen = [*positions, *velocities]
     (by_k, by_c), (y_by_k, y_by_c) = moved
+    x = [value + (k * by_k + d * by_c) for known in axes for value, (k, d) in zip(known.x, known.G, strict=True)]
+    y = [value + (k * y_by_k + d * y_by_c) for known in axes for value, (k, d) in zip(known.y, known.G, strict=True)]
     return machine_code.function_of(tape, name, [
-        *(value + (k * by_k + d * by_c) for known in axes for value, (k, d) in zip(known.x, known.G, strict=True)),
-        scale + by_k, c + by_c,
-        *(known.S[i][j] for known in axes for i, j in UPPER),
-        *(slope for known in axes for row in known.G for slope in row), T[0][0], T[0][1], T[1][1],
-        *(value + (k * y_by_k + d * y_by_c) for known in axes for value, (k, d) in zip(known.y, known.G, strict=True)),
-        scale_by_lag + y_by_k, c_by_lag + y_by_c,
-        *(each[kind] for kind in range(3) for each in seen),
+        [*x, scale + by_k, c + by_c],
+        [known.S[i][j] for known in axes for i, j in UPPER],
+        [slope for known in axes for row in known.G for slope in row],
+        [T[0][0], T[0][1], T[1][1]],
+        [*y, scale_by_lag + y_by_k, c_by_lag + y_by_c],
+        *([each[kind] for each in (*positions, *velocities)] for kind in range(3)),
     ])  # fmt: skip
+
+
+def _by_axis(numbers: Sequence[Scalar], size: int) -> list[Sequence[Scalar]]:
+    """So many numbers of each axis; at the end those of none."""
+    return [numbers[at : at + size] for at in range(0, len(numbers), size)]
 
 
 def _each(states: Sequence[Sequence[Scalar]], kind: int) -> Scalar3:
@@ -289,8 +291,8 @@ def _sum(values: list[Scalar], states: tuple[int, ...]) -> Scalar:
 
 @lru_cache(maxsize=4)
 def step_of(learning: bool, in_machine_code: bool) -> Function:
-    """(dt, F, g, measurement, noise, state, S, G, T, dF/dL, y) -> (state, S, G, T, y, innovations, variances, how they
-    go with L). ``learning``: False freezes k and c. ``in_machine_code``: whether that is in use."""
+    """(dt, F, g, p_n, v_n, *NoiseLevels, noise of k and c, dF/dL, *Belief) -> (*Belief, innovations, variances, how
+    they go with L). ``learning``: False freezes k and c. ``in_machine_code``: whether that is in use."""
     return _record_step("kalman" if learning else "kalman_frozen", learning=learning)
 
 

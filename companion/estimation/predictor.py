@@ -66,20 +66,12 @@ def predict(
     )
     active = _active_commands(commands, begin, h, steps)
     if machine_code.in_use:
-        (roll, pitch, yaw, thrust), (w_b, w_dot_b, f, trim) = transitions, rate_loop_state
-        thrust_scale, drag, disturbance_n, gravity = forces
-        inputs = [
-            h, *roll, *pitch, *yaw, *thrust, *p_n, *v_n, *q_nb, *w_b, *w_dot_b, f, trim, thrust_scale, drag,
-            *disturbance_n, gravity,
-        ]  # fmt: skip
-        for _, rates_b, commanded in active:
-            inputs += rates_b
-            inputs.append(commanded)
-        values = _recorded(steps)(*inputs)
+        given = [number for _, rates_b, commanded in active for number in (rates_b, commanded)]
+        known = (h, *transitions, p_n, v_n, q_nb, *rate_loop_state, *forces)
+        p_n, v_n, q_nb, w_b = _recorded(steps)(*known, *given)
     else:
-        values = _integrate(h, transitions, p_n, v_n, q_nb, rate_loop_state, forces, active)
-    x, y, z, vx, vy, vz, qw, qx, qy, qz, p, q, r = values
-    return PredictedState((x, y, z), (vx, vy, vz), normalised((qw, qx, qy, qz)), (p, q, r))
+        p_n, v_n, q_nb, w_b = _integrate(h, transitions, p_n, v_n, q_nb, rate_loop_state, forces, active)
+    return PredictedState(p_n, v_n, normalised(q_nb), w_b)
 
 
 def _active_commands(commands: tuple[TimedCommand, ...], begin: float, h: float, steps: int) -> list[TimedCommand]:
@@ -99,7 +91,7 @@ def _integrate(
     h: Scalar, transitions: tuple[Scalars, Scalars, Scalars, Scalars], p_n: Scalars, v_n: Scalars, q_nb: Scalars,
     rate_loop_state: tuple[Scalars, Scalars, Scalar, Scalar], forces: tuple[Scalar, Scalar, Scalars, Scalar],
     active: Iterable[tuple[Any, Scalars, Scalar]],
-) -> tuple[Scalar, ...]:  # fmt: skip
+) -> tuple[Any, Any, Any, Any]:  # fmt: skip
     """Steps of ``h`` s, each under its command: position, velocity, attitude, body rates. Floats, or symbols of a
     tape."""
     (yy, yd, dy, dd, ay, ad), (jj, jd, ej, edj, aj, adj), (zz, zd, ez, ed, az, bz), (left, mean) = transitions
@@ -139,25 +131,22 @@ def _integrate(
         az_n = (down - pull * (oz + ez_n) - drag * vz) * damping
         x, y, z = x + h * (vx + half * ax), y + h * (vy + half * ay_n), z + h * (vz + half * az_n)
         vx, vy, vz = vx + h * ax, vy + h * ay_n, vz + h * az_n
-    return x, y, z, vx, vy, vz, qw, qx, qy, qz, wp, wq, wr
+    return (x, y, z), (vx, vy, vz), (qw, qx, qy, qz), (wp, wq, wr)
 
 
 @lru_cache(maxsize=64)
 def _recorded(steps: int) -> Function:
-    """``_integrate`` over so many steps, from all its numbers one after another."""
+    """``_integrate`` over so many steps, from what it takes and from rates and thrust of each command."""
     tape = Tape()
-    count = 0
 
-    def inputs(size: int) -> tuple[Scalar, ...]:
-        nonlocal count
-        count += size
-        return tape.inputs(*(f"x{i}" for i in range(count - size, count)))
+    def numbers(name: str, size: int) -> Any:
+        return tape.tuple_input(*(f"{name}{i}" for i in range(size)))
 
-    (h,) = inputs(1)
-    transitions = (inputs(6), inputs(6), inputs(6), inputs(2))
-    p_n, v_n, q_nb = inputs(3), inputs(3), inputs(4)
-    rate_loop_state = (inputs(3), inputs(3), *inputs(2))
-    forces = (*inputs(2), inputs(3), *inputs(1))
-    active = [(None, inputs(3), *inputs(1)) for _ in range(steps)]
+    (h,) = tape.inputs("h")
+    transitions = (numbers("roll", 6), numbers("pitch", 6), numbers("yaw", 6), numbers("thrust", 2))
+    p_n, v_n, q_nb = numbers("p", 3), numbers("v", 3), numbers("q", 4)
+    rate_loop_state = (numbers("w", 3), numbers("w_dot", 3), *tape.inputs("f", "trim"))
+    forces = (*tape.inputs("k", "c"), numbers("d", 3), *tape.inputs("g"))
+    active = [(None, numbers(f"rates{k}_", 3), *tape.inputs(f"f{k}")) for k in range(steps)]
     outputs = _integrate(h, transitions, p_n, v_n, q_nb, rate_loop_state, forces, active)
     return machine_code.function_of(tape, "predict", outputs)

@@ -43,6 +43,10 @@ REGULARITY_MIN = 1e-4
 it."""
 
 
+Known = tuple[tuple[float, ...], ...]
+"""What is known of a path where the vehicle is, as the law of it takes it: values with their derivatives."""
+
+
 class Flying(NamedTuple):
     """The state the law is evaluated at. At the level of rates ``w_b`` and ``zeta_dot`` are not used."""
 
@@ -98,12 +102,12 @@ class OverArc:
     speed: SpeedOverArc | None
     yaw: YawOverArc | None
 
-    def at(self, flying: Flying) -> tuple[float, ...]:
+    def at(self, flying: Flying) -> Known:
         """Each and three derivatives over arc length, at the point of the path next to the vehicle."""
         if self.speed is None and self.yaw is None:
             return ()
         s, _ = self.table.nearest(flying.p_n, flying.s)
-        return (*(() if self.speed is None else self.speed.at(s)), *(() if self.yaw is None else self.yaw.at(s)))
+        return tuple(each.at(s) for each in (self.speed, self.yaw) if each is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +146,7 @@ class CurveLaw:
             beta = self.yaw.at(s) if isinstance(self.yaw, ConstantYaw | YawExpression | YawProfile) else _NO_YAW
             alpha = self.speed.at(s)
             flown = alpha if curve.closed else self._stopping(alpha[0] * speed_scale.value).of(s, alpha)
-            known = (*(c for derivative in derivatives for c in derivative), *flown, *beta)
+            known = (*derivatives, flown, beta)
         except (ValueError, ArithmeticError) as error:
             raise LawError(f"speed or yaw is not defined at s = {s:.2f} m: {error}") from None
         command = _command_of(self.step, flying, speed_scale, known)
@@ -163,17 +167,17 @@ class CurveLaw:
         return StoppingSpeed(self.speed, length, 1.0), StoppingSpeed(self.speed, 0.0, -1.0)
 
 
-def _command_of(step: Function, flying: Flying, speed_scale: SpeedScale, known: Sequence[float]) -> Command:
+def _command_of(step: Function, flying: Flying, speed_scale: SpeedScale, known: Known) -> Command:
     p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, _, poles = flying
     if not zeta > 0.0:
         raise LawError(f"singular: thrust {zeta:.3g} N")
     try:
-        values = step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *speed_scale, poles, *known)
+        values = step(p_n, v_n, r_nb, w_b, zeta, zeta_dot, disturbance, drag, speed_scale, poles, *known)
     except (ValueError, ArithmeticError) as error:
         raise LawError(f"the law is not defined at {place(p_n)}: {error}") from None
     if not math.isfinite(sum(values)):
         raise LawError(f"the law is not finite at {place(p_n)}")
-    return Command(values[0], values[1:4], values[4:7], *values[7:])  # type: ignore[arg-type]
+    return Command(values[0], values[1:4], values[4:7], *values[7:])
 
 
 def place(p_n: Vec3) -> str:
@@ -191,10 +195,10 @@ def implicit_law(
     model, motion, factor, pole_scale = inputs(tape, model)
     gains = with_path_poles(gains, pole_scale)
     if over_arc is not None and over_arc.speed is not None:
-        a = tape.inputs("a0", "a1", "a2", "a3")
+        a = tape.tuple_input("a0", "a1", "a2", "a3")
         specification = replace(specification, alpha=lambda p_n, mu: _along(a, arc_along(p_n, mu)))
     if over_arc is not None and over_arc.yaw is not None:
-        b = tape.inputs("b0", "b1", "b2", "b3")
+        b = tape.tuple_input("b0", "b1", "b2", "b3")
         specification = replace(specification, beta=lambda p_n, mu: _along(b, arc_along(p_n, mu)))
     known = outputs(specification, known_motion(level, model, motion), factor)
     wanted = wanted_derivative(known, level, gains, bounds)
@@ -215,14 +219,14 @@ def curve_law(
     tape = Tape()
     model, motion, factor, pole_scale = inputs(tape, model)
     gains = with_path_poles(gains, pole_scale)
-    derivatives = tuple(Vector(*tape.inputs(*(f"g{k}{axis}" for axis in "xyz"))) for k in range(5))
+    derivatives = tuple(Vector(*tape.tuple_input(*(f"g{k}{axis}" for axis in "xyz"))) for k in range(5))
     motion_derivatives = known_motion(level, model, motion)
     seen = closest_point(
         derivatives[: len(motion_derivatives) + 1], motion_derivatives, bounds.q_min if bounds else 0.0
     )
-    alpha = _along(tape.inputs("a0", "a1", "a2", "a3"), seen.s)
+    alpha = _along(tape.tuple_input("a0", "a1", "a2", "a3"), seen.s)
     wanted = wanted_on_curve(seen, factor * alpha, level, gains, bounds)
-    beta_inputs = tape.inputs("b0", "b1", "b2", "b3")
+    beta_inputs = tape.tuple_input("b0", "b1", "b2", "b3")
     if isinstance(yaw, ConstantYaw | YawExpression | YawProfile):
         beta = _along(beta_inputs, seen.s)
     else:

@@ -23,8 +23,9 @@ from companion.law.flight import Command, Flying, place
 from companion.law.gains import Gains, Level
 from companion.law.motion import Model
 from companion.law.recording import finish_step, inputs, known_motion
+from companion.law.speed_scale import STANDSTILL
 
-NO_SCALES = (0.0, 0.0, 0.0, 1.0)
+NO_SCALES = (STANDSTILL, 1.0)
 """Factors on the speed and on the path poles, which a point does not have. By definition."""
 ACCELERATION_MAX = 4.0
 """m/s^2 of braking and of setting off. Engineering choice: 22 degrees of tilt."""
@@ -41,10 +42,10 @@ class HoldLaw:
         p_n, v_n, r_nb, zeta, w_b, zeta_dot, disturbance, drag, *_ = flying
         if not zeta > 0.0:
             raise LawError(f"singular: thrust {zeta:.3g} N")
-        values = self.step(*p_n, *v_n, *r_nb, *w_b, zeta, zeta_dot, *disturbance, drag, *NO_SCALES, *point_n, yaw)
+        values = self.step(p_n, v_n, r_nb, w_b, zeta, zeta_dot, disturbance, drag, *NO_SCALES, point_n, yaw)
         if not math.isfinite(sum(values)):
             raise LawError(f"the law is not finite at {place(p_n)}")
-        return Command(values[0], values[1:4], values[4:7], *values[7:])  # type: ignore[arg-type]
+        return Command(values[0], values[1:4], values[4:7], *values[7:])
 
 
 def hold_law(
@@ -53,7 +54,7 @@ def hold_law(
     """Records the law that holds a point. Only the gains of h1 (all directions) and h4 are used."""
     tape = Tape()
     model, motion, _, _ = inputs(tape, model)
-    X0 = Vector(*tape.inputs("px", "py", "pz"))
+    X0 = Vector(*tape.tuple_input("px", "py", "pz"))
     (yaw,) = tape.inputs("yaw")
     _, V, A, *jerk = known_motion(level, model, motion)
     k0, k1, k2, *rest = gains.h1

@@ -27,15 +27,15 @@ WEIGHTLESS = 1e-3
 def inputs(tape: Tape, model: Model) -> tuple[Model, Motion, Taylor, Scalar]:
     """The inputs every law has, in the order of ``Flying``, ``SpeedScale`` and the path poles: model, motion, the
     factor on alpha, the factor on the path poles."""
-    X = Vector(*tape.inputs("x", "y", "z"))
-    V = Vector(*tape.inputs("vx", "vy", "vz"))
-    r = tape.inputs(*(f"r{i}{j}" for i in range(3) for j in range(3)))
+    X = Vector(*tape.tuple_input("x", "y", "z"))
+    V = Vector(*tape.tuple_input("vx", "vy", "vz"))
+    r = tape.tuple_input(*(f"r{i}{j}" for i in range(3) for j in range(3)))
     R = Rotation(Vector(r[0], r[3], r[6]), Vector(r[1], r[4], r[7]), Vector(r[2], r[5], r[8]))
-    w = Vector(*tape.inputs("p", "q", "r"))
+    w = Vector(*tape.tuple_input("p", "q", "r"))
     zeta, zeta_dot = tape.inputs("zeta", "zeta_dot")
-    disturbance = Vector(*tape.inputs("dx", "dy", "dz"))
+    disturbance = Vector(*tape.tuple_input("dx", "dy", "dz"))
     (drag,) = tape.inputs("c")
-    factor, rate, acceleration_ = tape.inputs("f", "f_dot", "f_ddot")
+    factor, rate, acceleration_ = tape.tuple_input("f", "f_dot", "f_ddot")
     (pole_scale,) = tape.inputs("pole_scale")
     motion = Motion(X, V, R, w, zeta, zeta_dot, disturbance)
     speed = Taylor((factor, rate, 0.5 * acceleration_, 0.0, 0.0))

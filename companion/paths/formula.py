@@ -28,7 +28,7 @@ class Formula:
     def __call__(self, u: float) -> Derivatives:
         """See Parametrisation."""
         v = self._one(u)
-        return v[0:3], v[3:6], v[6:9], v[9:12], v[12:15]  # type: ignore[return-value]
+        return v[0:3], v[3:6], v[6:9], v[9:12], v[12:15]
 
     def many(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """See Parametrisation."""

@@ -31,7 +31,7 @@ class Piecewise:
         i = min(max(bisect_right(self.knots, u) - 1, 0), len(self.pieces) - 1)
         function, coefficients = self._flat[i]
         v = function(u - self.knots[i], *coefficients)
-        return v[0:3], v[3:6], v[6:9], v[9:12], v[12:15]  # type: ignore[return-value]
+        return v[0:3], v[3:6], v[6:9], v[9:12], v[12:15]
 
     def many(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
         """See Parametrisation."""

@@ -58,7 +58,7 @@ class StoppingSpeed:
     def of(self, s: float, alpha: Four) -> Four:
         """The same where the mission's speed at ``s`` is already known."""
         left = max(self.towards * (self.end - s), 0.0)
-        return _stopping()(left, -self.towards, *alpha)  # type: ignore[return-value]
+        return _stopping()(left, -self.towards, *alpha)
 
 
 @cache

@@ -51,7 +51,7 @@ class SpeedExpression:
 
     def at(self, s: float) -> Four:
         """See SpeedOverArc."""
-        return self._over_arc(s)  # type: ignore[return-value]
+        return self._over_arc(s)
 
     @cached_property
     def _over_arc(self) -> Function:

@@ -45,7 +45,7 @@ class YawExpression:
 
     def at(self, s: float) -> Four:
         """beta, rad, and its first three derivatives over s."""
-        return self._over_arc(s)  # type: ignore[return-value]
+        return self._over_arc(s)
 
     @cached_property
     def _over_arc(self) -> Function:

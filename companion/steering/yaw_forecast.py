@@ -10,6 +10,7 @@ the path takes, and the heading psi asked for there,
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -53,13 +54,13 @@ def forecast_yaw_rates(course: Course, s: float, scale: float, capability: Capab
     way = course.direction if scale >= 0.0 else -course.direction
     step = way * course.speed(s) * abs(scale) * FORECAST_STEP
     rows = course.rows
-    inputs = [abs(scale), way, course.spacing, capability.drag, *capability.disturbance_n, capability.gravity]
+    places: list[float | tuple[float, ...]] = []
     for k in range(FORECAST_LENGTH + 1):
         i, j, share = course.between(s + (k - 0.5) * step)
-        inputs.append(share)
-        inputs += rows[i]
-        inputs += rows[j]
-    return recorded_forecast(heading, machine_code.in_use)(*inputs)
+        places += (share, rows[i], rows[j])
+    return recorded_forecast(heading, machine_code.in_use)(
+        abs(scale), way, course.spacing, capability.drag, capability.disturbance_n, capability.gravity, *places
+    )
 
 
 @lru_cache(maxsize=4)
@@ -67,11 +68,12 @@ def recorded_forecast(heading: Heading, in_machine_code: bool) -> Function:
     """(scale, way, spacing, drag, disturbance, gravity, and for moments FORECAST_STEP apart the share and two rows of a
     course) -> yaw rates half way from each to the next. ``in_machine_code``: whether that is in use."""
     tape = Tape()
-    scale, way, spacing, drag, *disturbance_n, gravity = tape.inputs("f", "way", "h", "c", "dx", "dy", "dz", "g")
+    scale, way, spacing, drag = tape.inputs("f", "way", "h", "c")
+    disturbance_n, (gravity,) = tape.tuple_input("dx", "dy", "dz"), tape.inputs("g")
     attitudes = []
     for k in range(FORECAST_LENGTH + 1):
         (share,) = tape.inputs(f"u{k}")
-        before, after = (tape.inputs(*(f"{side}{k}_{i}" for i in range(8))) for side in "ab")
+        before, after = (tape.tuple_input(*(f"{side}{k}_{i}" for i in range(8))) for side in "ab")
         here = [a + share * (b - a) for a, b in zip(before[:7], after[:7], strict=True)]
         slope = (after[6] - before[6]) / spacing
         axis = _thrust_axis(here[:3], here[3:6], scale * here[6], scale * slope, way, drag, disturbance_n, gravity)
@@ -82,7 +84,7 @@ def recorded_forecast(heading: Heading, in_machine_code: bool) -> Function:
 
 def _thrust_axis(
     tangent: list[Scalar], curvature: list[Scalar], v: Scalar, slope: Scalar, way: Scalar, drag: Scalar,
-    disturbance_n: list[Scalar], gravity: Scalar,
+    disturbance_n: Sequence[Scalar], gravity: Scalar,
 ) -> tuple[Scalar, Scalar, Scalar]:  # fmt: skip
     """Where a vehicle's down axis points that flies there at ``v`` (m/s, along the path by the sign of ``way``), which
     changes by ``slope`` (1/s) over arc length."""

@@ -15,7 +15,7 @@ import pytest
 from companion.calculus import machine_code
 from companion.calculus.expression import parse
 from companion.calculus.scalar import Scalar, elementary, maximum, minimum, sqrt, wrap
-from companion.calculus.straight import Function, Tape
+from companion.calculus.straight import Function, Tape, flat
 from companion.estimation.kalman_step import AXES, PER_AXIS, SIZE, UPPER, step_of
 from companion.estimation.predictor import ForceModel, predict
 from companion.estimation.rate_loop_model import RateLoopState, TimedCommand, alike
@@ -43,10 +43,10 @@ def bits(values: Sequence[float]) -> list[bytes]:
     return [b"nan" if math.isnan(value) else struct.pack("d", value) for value in values]
 
 
-def outcome(function: Function, *inputs: float) -> object:
+def outcome(function: Function, *inputs: float | tuple[float, ...]) -> object:
     """What a function gives, or that it raises."""
     try:
-        return bits(function(*inputs))
+        return bits(flat(function(*inputs)))
     except (ValueError, ArithmeticError):
         return "raised"
 
@@ -106,6 +106,18 @@ def test_it_is_called_as_pythons_own_functions_are() -> None:
         machine(1.0, 0.0)
 
 
+def test_tuples_are_taken_and_given_as_they_are() -> None:
+    tape = Tape()
+    (x,), (a, _, c), (y,) = tape.inputs("x"), tape.tuple_input("a", "b", "c"), tape.inputs("y")
+    for function in both(tape, [x, (a + c, 2.0), [y]]):
+        assert function(1.0, (2.0, 3.0, 4.0), 5.0) == (1.0, (6.0, 2.0), (5.0,))
+        for wrong in ((2.0, 3.0), (2.0, 3.0, 4.0, 5.0), 2.0, None):
+            with pytest.raises((TypeError, ValueError)):
+                function(1.0, wrong, 5.0)
+    many = tape.array_function("f", [x, (a + c, 2.0), [y]])
+    assert many(1.0, 2.0, 3.0, 4.0, 5.0).tolist() == [1.0, 6.0, 2.0, 5.0]
+
+
 def test_what_is_not_known_stays_python() -> None:
     for text in SAMPLES:
         tape = Tape()
@@ -131,10 +143,12 @@ def test_without_llvmlite_everything_stays_python(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize("learning", [True, False])
 def test_the_step_of_the_filter_is_the_same(learning: bool) -> None:
     rng = random.Random(1)
-    count = 29 + SIZE + AXES * len(UPPER) + 2 * AXES * PER_AXIS + 3 + AXES + SIZE
+    belief = (SIZE, AXES * len(UPPER), 2 * AXES * PER_AXIS, 3, SIZE)
     for _ in range(200):
-        given = [rng.uniform(-1.0, 1.0) for _ in range(count)]
-        given[0] = 0.008
+        single = [rng.uniform(-1.0, 1.0) for _ in range(7)]
+        force, p_n, v_n, *levels, by_lag = (tuple(rng.uniform(-1.0, 1.0) for _ in range(3)) for _ in range(8))
+        known = [tuple(rng.uniform(-1.0, 1.0) for _ in range(size)) for size in belief]
+        given = (0.008, force, 9.8, p_n, v_n, *single[:2], *levels, *single[2:6], by_lag, *known)
         assert outcome(step_of(learning, True), *given) == outcome(step_of(learning, False), *given)
 
 
