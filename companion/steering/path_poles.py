@@ -92,10 +92,9 @@ def update_path_poles(
         if poles.known > KNOWN_AFTER:
             scale = min(max(choice.hold_scale * _ratio(poles), choice.least), scale)
         return PathPoles(scale, True, last=rates_b)  # what the hold's poles made of the noise is not theirs
-    poles = _observe(poles, rates_b, dt)
     if not along:
-        return poles
-    poles = poles._replace(tilt=poles.tilt + min(dt / TILT_TIME, 1.0) * (tilt - poles.tilt))
+        return _observe(poles, rates_b, poles.tilt, dt)
+    poles = _observe(poles, rates_b, poles.tilt + min(dt / TILT_TIME, 1.0) * (tilt - poles.tilt), dt)
     wanted = steep_scale(poles.tilt, choice.pole, choice.steepest)
     if poles.known >= ROUGHNESS_TIME:
         wanted = min(wanted, poles.scale * _ratio(poles))
@@ -114,12 +113,13 @@ def _ratio(poles: PathPoles) -> float:
     return math.sqrt(ROUGHNESS_MOST / max(poles.roughness, 1e-9))
 
 
-def _observe(poles: PathPoles, rates_b: Vec3, dt: float) -> PathPoles:
+def _observe(poles: PathPoles, rates_b: Vec3, tilt: float, dt: float) -> PathPoles:
+    """``poles`` with the roughness of another command. ``tilt``: rad, the mean with this one's."""
     last, before = poles.last, poles.before
     if last is None or before is None or not 0.0 < dt < STEP_MAX:
-        return poles._replace(last=rates_b, before=last)
+        return poles._replace(last=rates_b, before=last, tilt=tilt)
     p, q = rates_b[0] - 2.0 * last[0] + before[0], rates_b[1] - 2.0 * last[1] + before[1]
     size = min(math.sqrt(0.5 * (p * p + q * q) / SECOND_DIFFERENCE), JUMP)
     k = dt / min(ROUGHNESS_TIME, poles.known + dt)
     roughness = poles.roughness + k * (size / MEAN_SIZE - poles.roughness)
-    return PathPoles(poles.scale, poles.begun, roughness, poles.known + dt, rates_b, last, poles.tilt)
+    return PathPoles(poles.scale, poles.begun, roughness, poles.known + dt, rates_b, last, tilt)

@@ -191,11 +191,11 @@ def compensate_yaw(
     counted_on = turning.authority if known.authority is None else known.authority
     down, up = AUTHORITY_TIMES
     counted_on += min(1.0, dt / (up if turning.authority > counted_on else down)) * (turning.authority - counted_on)
-    forecast, deviation = (wanted.rate,) * FORECAST_LENGTH, 0.0
+    forecast, deviation = [wanted.rate] * FORECAST_LENGTH, 0.0
     if wanted.forecast is not None:
         off = wanted.rate - rate_at(wanted.forecast, wanted.lead)
         deviation = known.deviation + min(1.0, dt / SMOOTHING_TIME) * (off - known.deviation)
-        forecast = tuple(rate + share * deviation for rate, share in zip(wanted.forecast, FADING, strict=True))
+        forecast = [rate + share * deviation for rate, share in zip(wanted.forecast, FADING, strict=True)]
     planned = known.reference or YawReference(rate=forecast[0])
     low = max(-turning.authority, -turning.most - planned.rate)
     high = min(turning.authority, turning.most - planned.rate)

@@ -31,7 +31,7 @@ SIZE_MIN = 1e-6
 UPSIDE_DOWN = 0.1
 """Number: the least 1 + z that is divided by. Engineering choice: a tilt of 154 deg."""
 
-Forecast = tuple[float, ...]
+Forecast = Sequence[float]
 """rad/s, at FORECAST_LENGTH moments."""
 
 

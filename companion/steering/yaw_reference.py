@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from operator import mul
 from typing import NamedTuple
 
 from companion.frames import clamped
@@ -76,7 +77,7 @@ def advance_reference(known: YawReference, forecast: Forecast, drive: YawDrive, 
     """The reference ``dt`` s later. ``forecast``: rad/s of r_d, from when the command acts."""
     best = solution(drive)
     d0 = best.d0
-    ahead = d0 * sum(weight * rate for weight, rate in zip(best.weights, forecast, strict=True))
+    ahead = d0 * sum(map(mul, best.weights, forecast))
     lag, torque_lag = drive.lag, drive.torque_lag
     e, r, a, v = known
     steps = max(1, math.ceil(dt / STEP_MAX - 1e-9))
@@ -92,10 +93,11 @@ def advance_reference(known: YawReference, forecast: Forecast, drive: YawDrive, 
 
 def solution(drive: YawDrive) -> Solution:
     """For a loop; on a grid, and kept."""
-    lag, torque_lag, authority = (
-        round(GRID * math.log(value)) for value in (drive.lag, drive.torque_lag, drive.authority)
-    )
-    return _solution(lag, torque_lag, authority)
+    return _solution(_on_grid(drive.lag), _on_grid(drive.torque_lag), _on_grid(drive.authority))
+
+
+def _on_grid(value: float) -> int:
+    return round(GRID * math.log(value))
 
 
 @lru_cache(maxsize=256)
