@@ -40,13 +40,15 @@ class GustyAir:
         self._w = SecondOrder(draw, step, 1.0)
         self._sigma: Vec3 = (0.0, 0.0, 0.0)
 
-    def update(self, height: float, airspeed: float) -> Vec3:
-        """What the gusts add to the wind (m/s, NED) a step later, at a height (m) and an airspeed (m/s)."""
+    def update(self, height: float, u_n: Vec3) -> Vec3:
+        """What the gusts add to the wind (m/s, NED) a step later, at a height (m) and a velocity in the mean wind
+        (m/s, NED)."""
         if self._until_set == 0:
             self._until_set = self._every
             now = self._gusts.at(height)
             self._sigma = now.sigma
-            passed = self._step * max(AIRSPEED_MIN, airspeed)
+            north, east, down = u_n
+            passed = self._step * max(AIRSPEED_MIN, math.sqrt(north**2 + east**2 + down**2))
             length, width, depth = now.length
             self._u.set_step(passed / length)
             self._v.set_step(passed / width)

@@ -193,6 +193,5 @@ class Plant:
         assert self._gusts is not None
         wn, we, wd = self.wind_n
         motion = self._motion
-        airspeed = math.sqrt((motion[3] - wn) ** 2 + (motion[4] - we) ** 2 + (motion[5] - wd) ** 2)
-        gn, ge, gd = self._gusts.update(-motion[2], airspeed)
+        gn, ge, gd = self._gusts.update(-motion[2], (motion[3] - wn, motion[4] - we, motion[5] - wd))
         return (wn + gn, we + ge, wd + gd)

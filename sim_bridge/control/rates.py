@@ -84,10 +84,11 @@ class Axis:
     def update(self, rate: float, wanted: float | None, lost: float, integrate: bool) -> float:
         """The torque. ``lost``: what saturation took of the last one; the integral does not grow that way."""
         filtered = self._gyro.update(rate)
-        turning = self._turning.update((filtered - self._last) * self._per_step)
-        self._last = filtered
         error = 0.0 if wanted is None else wanted - filtered
-        torque = self._p * error + self.integral - self._d * turning
+        torque = self._p * error + self.integral
+        if self._d:
+            torque -= self._d * self._turning.update((filtered - self._last) * self._per_step)
+            self._last = filtered
         if integrate and error * lost <= 0.0:
             share = error * FULL_INTEGRATION
             share = 1.0 - share * share

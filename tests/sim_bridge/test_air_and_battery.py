@@ -68,7 +68,7 @@ TICK = 0.05
 
 def flown_through(gusts: Gusts | DrydenGusts, wind_n: Vec3, airspeed: float, seconds: float) -> np.ndarray:  # type: ignore[type-arg]
     air = GustyAir(gusts, wind_n, TICK, normals(3, RandomStream.GUSTS))
-    return np.array([air.update(10.0, airspeed) for _ in range(round(seconds / TICK))])
+    return np.array([air.update(10.0, (airspeed, 0.0, 0.0)) for _ in range(round(seconds / TICK))])
 
 
 def test_gusts_have_drydens_strength_in_the_winds_own_axes() -> None:
