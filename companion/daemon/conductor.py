@@ -96,7 +96,7 @@ class Conductor:
 
     @property
     def _over(self) -> bool:
-        return self.refusal is not None or (self.memory is not None and self.memory.phase is Phase.DONE)
+        return self.preparation.refusal is not None or (self.memory is not None and self.memory.phase is Phase.DONE)
 
     @property
     def learned(self) -> Learned | None:

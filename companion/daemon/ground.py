@@ -130,5 +130,5 @@ class GroundSide:
 
     def next_timer(self) -> float:
         """When ``on_timer`` has something to do."""
-        upload = math.inf if self._upload is None else self._upload.next_timer()
-        return min(self._announcer.next_timer(), upload)
+        announcement = self._announcer.next_timer()
+        return announcement if self._upload is None else min(announcement, self._upload.next_timer())

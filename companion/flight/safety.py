@@ -44,10 +44,10 @@ LINK_ADVICE = frozenset({RAISE_SPEED, MEND_LINK})
 
 def _too_few_to_hold(s: SafetyInputs, limits: Limits) -> str | None:
     """The attitude is not held, because states are too far apart."""
-    off = conditions.rates(s, limits)
-    if off is None or s.rate is None or s.rate >= RATE_WANTED:
+    if s.rate is None or s.rate >= RATE_WANTED:
         return None
-    return f"only {s.rate:.0f} states a second arrive, too few to hold the attitude by: {off}"
+    off = conditions.rates(s, limits)
+    return off and f"only {s.rate:.0f} states a second arrive, too few to hold the attitude by: {off}"
 
 
 ROWS: tuple[Row, ...] = (

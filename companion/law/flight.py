@@ -33,7 +33,7 @@ from companion.law.recording import finish_step, inputs, known_motion
 from companion.law.speed_scale import SpeedScale
 from companion.paths.arc import ArcTable
 from companion.paths.curve import Curve
-from companion.profiles import ConstantYaw, SpeedOverArc, StoppingSpeed, Yaw, YawExpression, YawOverArc, YawProfile
+from companion.profiles import SpeedOverArc, StoppingSpeed, Yaw, YawOverArc
 from companion.vehicle import Vehicle
 
 ZERO3: Vec3 = (0.0, 0.0, 0.0)
@@ -143,7 +143,7 @@ class CurveLaw:
         u, derivatives = curve.closest(flying.p_n, curve.parameter(flying.s))
         s = curve.arc(u)
         try:
-            beta = self.yaw.at(s) if isinstance(self.yaw, ConstantYaw | YawExpression | YawProfile) else _NO_YAW
+            beta = self.yaw.at(s) if isinstance(self.yaw, YawOverArc) else _NO_YAW
             alpha = self.speed.at(s)
             flown = alpha if curve.closed else self._stopping(alpha[0] * speed_scale.value).of(s, alpha)
             known = (*derivatives, flown, beta)
@@ -227,7 +227,7 @@ def curve_law(
     alpha = _along(tape.tuple_input("a0", "a1", "a2", "a3"), seen.s)
     wanted = wanted_on_curve(seen, factor * alpha, level, gains, bounds)
     beta_inputs = tape.tuple_input("b0", "b1", "b2", "b3")
-    if isinstance(yaw, ConstantYaw | YawExpression | YawProfile):
+    if isinstance(yaw, YawOverArc):
         beta = _along(beta_inputs, seen.s)
     else:
         forward = 1.0 if direction >= 0.0 else -1.0

@@ -78,7 +78,7 @@ def safety_inputs(
         clock_jump=watch.clock_jump,
         behind=observation.behind,
         rate=observation.rate,
-        gaps=sum(now - ended < conditions.GAPS_WITHIN for ended in watch.gaps),
+        gaps=len([ended for ended in watch.gaps if now - ended < conditions.GAPS_WITHIN]),
         companions=observation.companions,
         body_rate_max=_body_rate_max(plan),
         specific_thrust_commanded=response.commanded if follows and is_thrust_judged(plan, memory) else 0.0,
