@@ -170,10 +170,10 @@ def _transitions(middle: int, motor_lag: float, h: float) -> tuple[AxisTransitio
 
 
 def _propagate(model: Model, step: AxisTransition, goals: list[float]) -> Model:
-    w, wd = model
+    (w, wd), (yy, yd, dy, dd, _, _) = model, step
     for goal in goals:
         y = w - goal
-        w, wd = goal + step.yy * y + step.yd * wd, step.dy * y + step.dd * wd
+        w, wd = goal + yy * y + yd * wd, dy * y + dd * wd
     return (w, wd)
 
 

@@ -165,27 +165,20 @@ def propagate(
     if h <= 0.0:
         return rate_loop_state, rate_loop_state.specific_thrust
     (roll_lag, pitch_lag), motor_lag = rate_loop.lags, rate_loop.motor_lag
-    rolling, pitching = axis_transition(roll_lag, motor_lag, h), axis_transition(pitch_lag, motor_lag, h)
-    turning = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
+    yy, yd, dy, dd, _, _ = axis_transition(roll_lag, motor_lag, h)
+    jj, jd, ej, edj, _, _ = axis_transition(pitch_lag, motor_lag, h)
+    zz, zd, ez, ed, _, _ = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
     left, mean = thrust_transition(motor_lag, h)
     total = 0.0
     for k in range(steps):
-        _, rates, specific_thrust = active_command(commands, begin + (k + 0.5) * h)
+        _, (sp, sq, sr), specific_thrust = active_command(commands, begin + (k + 0.5) * h)
         (p, q, r), (pd, qd, rd), f, trim = rate_loop_state
-        goal = rates[2] + trim
-        yp, yq, yr = p - rates[0], q - rates[1], r - goal
+        sr = sr + trim
+        yp, yq, yr = p - sp, q - sq, r - sr
         total += specific_thrust + mean * (f - specific_thrust)
         rate_loop_state = RateLoopState(
-            (
-                rates[0] + rolling.yy * yp + rolling.yd * pd,
-                rates[1] + pitching.yy * yq + pitching.yd * qd,
-                goal + turning.yy * yr + turning.yd * rd,
-            ),
-            (
-                rolling.dy * yp + rolling.dd * pd,
-                pitching.dy * yq + pitching.dd * qd,
-                turning.dy * yr + turning.dd * rd,
-            ),
+            (sp + yy * yp + yd * pd, sq + jj * yq + jd * qd, sr + zz * yr + zd * rd),
+            (dy * yp + dd * pd, ej * yq + edj * qd, ez * yr + ed * rd),
             specific_thrust + left * (f - specific_thrust),
             trim,
         )
@@ -200,11 +193,11 @@ def propagate_yaw(
     steps, h = steps_of(begin, end)
     if h <= 0.0:
         return r, rd
-    turning = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
+    zz, zd, ez, ed, _, _ = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
     for k in range(steps):
         goal = active_command(commands, begin + (k + 0.5) * h).rates_b[2] + trim
         y = r - goal
-        r, rd = goal + turning.yy * y + turning.yd * rd, turning.dy * y + turning.dd * rd
+        r, rd = goal + zz * y + zd * rd, ez * y + ed * rd
     return r, rd
 
 

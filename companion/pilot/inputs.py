@@ -124,18 +124,18 @@ def situation(
     law_error: str | None,
 ) -> Situation:
     """What the transitions look at."""
-    conduct = plan.conduct
-    missing = missing_now(plan, memory, observation, status, now) if memory.phase is Phase.PREFLIGHT else None
-    armed = observation.status.armed
-    at_end = memory.phase is Phase.FOLLOW and remaining(plan, memory) < END_WITHIN
+    conduct, phase, request, watch = plan.conduct, memory.phase, memory.request, memory.watch
+    missing = missing_now(plan, memory, observation, status, now) if phase is Phase.PREFLIGHT else None
+    armed, asking = observation.status.armed, request.asking
+    at_end = phase is Phase.FOLLOW and remaining(plan, memory) < END_WITHIN
     return Situation(
-        phase=memory.phase,
+        phase=phase,
         now=now,
         entered=memory.entered,
         status=status,
-        mode_seen=memory.request.mode_seen,
+        mode_seen=request.mode_seen,
         state_at=memory.state_at,
-        answer=memory.request.answer,
+        answer=request.answer,
         from_ground=memory.from_ground,
         authority=conduct.authority,
         finish=conduct.finish,
@@ -143,18 +143,18 @@ def situation(
         stop=observation.stop,
         missing=missing,
         settled=_settled(plan, memory, now),
-        joined=rests(plan, memory, now) if memory.phase is Phase.REST else conduct.at_once or is_at(memory),
+        joined=rests(plan, memory, now) if phase is Phase.REST else conduct.at_once or is_at(memory),
         at_end=at_end,
         goes_back=goes_back(plan, memory),
         finished=_finished(plan, memory, now),
         law_error=law_error or bench_fault(memory.shown),
-        verdict=verdict if PHASES[memory.phase].steers else safety.NO_FAULT,
-        decided_in=memory.request.decided_in,
-        asked=0 if memory.request.asking is None else memory.request.asking.tries,
-        asked_at=math.inf if memory.request.asking is None else memory.request.asking.sent_at,
-        unusable=memory.watch.unusable,
-        late=memory.watch.late,
-        answered=now - memory.request.answered_at,
+        verdict=verdict if PHASES[phase].steers else safety.NO_FAULT,
+        decided_in=request.decided_in,
+        asked=0 if asking is None else asking.tries,
+        asked_at=math.inf if asking is None else asking.sent_at,
+        unusable=watch.unusable,
+        late=watch.late,
+        answered=now - request.answered_at,
         armed_heard=math.inf if armed is None else now - armed.at,
         flown_in=conduct.own_mode or "OFFBOARD",
     )

@@ -135,16 +135,14 @@ def compare_states(watch: StateWatch, new: VehicleState, response: ThrustRespons
         )
     dt = new.t_boot - old.t_boot
     keep = 1.0 - dt / WINDOW
-    w, x, y, z = multiply(conjugate(old.q_nb), new.q_nb)
-    sign = 2.0 if w >= 0.0 else -2.0
-    sums = watch.sums
-    sums = Sums(
-        _summed(sums.moved, keep, (new.p_n[0] - old.p_n[0], new.p_n[1] - old.p_n[1], new.p_n[2] - old.p_n[2]), 1.0),
-        _summed(sums.by_velocity, keep, new.v_n, dt),
-        _summed(sums.turned, keep, (x, y, z), sign),
-        _summed(sums.by_rates, keep, new.w_b, dt),
-    )
-    should_move, should_turn = math.hypot(*sums.by_velocity), math.hypot(*sums.by_rates)
+    (north, east, down), (u, v, w) = old.p_n, new.p_n
+    turn, x, y, z = multiply(conjugate(old.q_nb), new.q_nb)
+    moved, by_velocity, turned, by_rates = watch.sums
+    moved = _summed(moved, keep, (u - north, v - east, w - down), 1.0)
+    by_velocity = _summed(by_velocity, keep, new.v_n, dt)
+    turned = _summed(turned, keep, (x, y, z), 2.0 if turn >= 0.0 else -2.0)
+    by_rates = _summed(by_rates, keep, new.w_b, dt)
+    should_move, should_turn = math.hypot(*by_velocity), math.hypot(*by_rates)
     return StateWatch(
         arrived_at=watch.arrived_at,
         late=watch.late,
@@ -157,11 +155,11 @@ def compare_states(watch: StateWatch, new: VehicleState, response: ThrustRespons
         same_place=watch.same_place,
         same_attitude=watch.same_attitude,
         checked=new,
-        sums=sums,
-        place_stands=should_move > MOVES_SURELY * WINDOW and math.hypot(*sums.moved) < STANDS * should_move,
-        attitude_stands=should_turn > TURNS_SURELY * WINDOW and math.hypot(*sums.turned) < STANDS * should_turn,
-        velocity_off=math.dist(sums.moved, sums.by_velocity) / WINDOW,
-        rates_off=math.dist(sums.turned, sums.by_rates) / WINDOW,
+        sums=Sums(moved, by_velocity, turned, by_rates),
+        place_stands=should_move > MOVES_SURELY * WINDOW and math.hypot(*moved) < STANDS * should_move,
+        attitude_stands=should_turn > TURNS_SURELY * WINDOW and math.hypot(*turned) < STANDS * should_turn,
+        velocity_off=math.dist(moved, by_velocity) / WINDOW,
+        rates_off=math.dist(turned, by_rates) / WINDOW,
         thrust_response=response,
     )
 

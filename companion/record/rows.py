@@ -75,7 +75,7 @@ def observation_row(observation: Observation, now: float) -> Row:
         state_row = (1, state.t_boot, *state.p_n, *state.v_n, *state.q_nb, *state.w_b, state.resets)
     ages: list[float] = []
     for fact in (armed, mode, intended, landed, ready, failsafe, battery, estimator):
-        ages += _NOT_SAID if fact is None else (fact.at, fact.lasts)
+        ages += _NOT_SAID if fact is None else fact[1:]
     return (
         now,
         *state_row,

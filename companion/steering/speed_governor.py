@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from companion.frames import Vec3
+from companion.frames import Vec3, clamped
 from companion.law.speed_scale import UNITY, SpeedScale
 from companion.paths.arc import ArcTable
 
@@ -142,7 +142,7 @@ class Course:
 
     def speed(self, s: float) -> float:
         """m/s, the mission's speed near arc length ``s``."""
-        return self.places[min(max(round(s / self.spacing), 0), len(self.places) - 1)].speed
+        return self.places[round(clamped(s / self.spacing, 0.0, len(self.places) - 1.0))].speed
 
 
 def _is_feasible(place: Place, v: float, way: float, capability: Capability) -> bool:

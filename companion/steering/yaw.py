@@ -188,17 +188,17 @@ def compensate_yaw(
     known: YawMemory, loop: YawLoop, wanted: WantedYaw, turning: Turning, dt: float
 ) -> tuple[float, YawMemory]:
     """rad/s, the yaw rate to command, and what is kept of the plan for the next step, ``dt`` s later."""
-    counted_on = turning.authority if known.authority is None else known.authority
+    _, _, _, authority, most = turning
+    counted_on = authority if known.authority is None else known.authority
     down, up = AUTHORITY_TIMES
-    counted_on += min(1.0, dt / (up if turning.authority > counted_on else down)) * (turning.authority - counted_on)
+    counted_on += min(1.0, dt / (up if authority > counted_on else down)) * (authority - counted_on)
     forecast, deviation = [wanted.rate] * FORECAST_LENGTH, 0.0
     if wanted.forecast is not None:
         off = wanted.rate - rate_at(wanted.forecast, wanted.lead)
         deviation = known.deviation + min(1.0, dt / SMOOTHING_TIME) * (off - known.deviation)
         forecast = [rate + share * deviation for rate, share in zip(wanted.forecast, FADING, strict=True)]
     planned = known.reference or YawReference(rate=forecast[0])
-    low = max(-turning.authority, -turning.most - planned.rate)
-    high = min(turning.authority, turning.most - planned.rate)
+    low, high = max(-authority, -most - planned.rate), min(authority, most - planned.rate)
     drive = YawDrive(loop.lag, loop.torque_lag, counted_on, min(low, 0.0), max(high, 0.0))
     planned = advance_reference(planned, forecast, drive, dt)
     # as at the horizon, where the law has the heading

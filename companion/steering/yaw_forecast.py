@@ -18,7 +18,7 @@ from typing import NamedTuple
 from companion.calculus import machine_code
 from companion.calculus.scalar import Scalar, atan2, cos, maximum, sin, sqrt, wrap
 from companion.calculus.straight import Function, Tape
-from companion.frames import Heading
+from companion.frames import Heading, clamped
 from companion.steering.speed_governor import Capability, Course
 
 FORECAST_STEP = 0.1
@@ -37,8 +37,9 @@ Forecast = Sequence[float]
 
 def rate_at(forecast: Forecast, t: float) -> float:
     """rad/s, ``t`` s after its first moment."""
-    i = min(max(math.floor(t / FORECAST_STEP), 0), FORECAST_LENGTH - 2)
-    return forecast[i] + (t / FORECAST_STEP - i) * (forecast[i + 1] - forecast[i])
+    u = t / FORECAST_STEP
+    i = math.floor(clamped(u, 0.0, FORECAST_LENGTH - 2.0))
+    return forecast[i] + (u - i) * (forecast[i + 1] - forecast[i])
 
 
 class Leaning(NamedTuple):

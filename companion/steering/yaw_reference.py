@@ -75,15 +75,14 @@ class Solution(NamedTuple):
 
 def advance_reference(known: YawReference, forecast: Forecast, drive: YawDrive, dt: float) -> YawReference:
     """The reference ``dt`` s later. ``forecast``: rad/s of r_d, from when the command acts."""
-    best = solution(drive)
-    d0 = best.d0
-    ahead = d0 * sum(map(mul, best.weights, forecast))
-    lag, torque_lag = drive.lag, drive.torque_lag
+    d2, d1, d0, weights = solution(drive)
+    ahead = d0 * sum(map(mul, weights, forecast))
+    lag, torque_lag, _, low, high = drive
     e, r, a, v = known
     steps = max(1, math.ceil(dt / STEP_MAX - 1e-9))
     h = dt / steps
     for _ in range(steps):
-        v = clamped(lag * (a + torque_lag * (ahead - best.d2 * a - best.d1 * r - d0 * e)), drive.low, drive.high)
+        v = clamped(lag * (a + torque_lag * (ahead - d2 * a - d1 * r - d0 * e)), low, high)
         jerk = (v / lag - a) / torque_lag
         e += h * (r - forecast[0] + 0.5 * h * a)
         r += h * (a + 0.5 * h * jerk)

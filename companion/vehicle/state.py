@@ -120,7 +120,8 @@ class Fact(NamedTuple, Generic[T]):
 
     def value_at(self, now: float) -> T | None:
         """The value; None where it is older than it lasts."""
-        return self.value if now - self.at <= self.lasts else None
+        value, at, lasts = self
+        return value if now - at <= lasts else None
 
 
 class KnownStatus(NamedTuple):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.frames import Quaternion, Vec3
+from companion.frames import Quaternion, Vec3, clamped
 from companion.mavlink.dialect import Value, message
 from sim_bridge.autopilot.flight_modes.position_setpoints import TrajectorySetpoint
 from sim_bridge.control.rates import RatesWanted
@@ -102,7 +102,7 @@ def attitude_target(values: tuple[Value, ...]) -> RatesSetpoint | AttitudeSetpoi
         thrust = values[_THRUST]
     if not math.isfinite(thrust):
         return None
-    thrust = max(-THRUST_MOST, min(THRUST_MOST, thrust))
+    thrust = clamped(thrust, -THRUST_MOST, THRUST_MOST)
     # Ignoring either roll or pitch rate drops all rates.
     p, q, r = map(_rate, values[_RATES])
     if mask & IGNORE_YAW_RATE:
