@@ -44,7 +44,6 @@ declare double @PyFloat_AsDouble(ptr)
 declare ptr @PyFloat_FromDouble(double)
 declare ptr @PyTuple_New(i64)
 declare i64 @PyTuple_Size(ptr)
-declare i32 @PyTuple_SetItem(ptr, i64, ptr)
 declare ptr @PyErr_Occurred()
 declare void @PyErr_SetString(ptr, ptr)
 """ + "".join(
@@ -65,8 +64,6 @@ unread:
 }
 """
 """Where a call ends that gives nothing but an exception."""
-_TUPLE_HEAD = tuple.__basicsize__
-"""bytes of a tuple before its items."""
 _METH_FASTCALL = 0x0080
 """Python's flag of a function that is given a C array of its arguments, and their number."""
 _owners: list[Any] = []  # of the code; it is never given back
@@ -112,7 +109,9 @@ def assembly(tape: Tape, outputs: Outputs) -> str | None:
         if isinstance(output, Sequence):
             lines.append(f"{name} = call ptr @PyTuple_New(i64 {len(output)})")
             for at, item in enumerate(output):
-                lines.append(f"call i32 @PyTuple_SetItem(ptr {name}, i64 {at}, ptr {object_of(item, f'{name}_{at}')})")
+                made = object_of(item, f"{name}_{at}")
+                lines.append(f"{made}_place = {_item(name, at)}")
+                lines.append(f"store ptr {made}, ptr {made}_place")
         else:
             lines.append(f"{name} = call ptr @PyFloat_FromDouble(double {operand(output)})")
         return name
@@ -178,8 +177,13 @@ def _inputs(tape: Tape) -> dict[str, str]:
             places[given] = f"getelementptr ptr, ptr %given, i64 {at}"
         else:
             for item, name in enumerate(given):
-                places[name] = f"getelementptr i8, ptr %tuple{at}, i64 {_TUPLE_HEAD + item * struct.calcsize('P')}"
+                places[name] = _item(f"%tuple{at}", item)
     return places
+
+
+def _item(of: str, at: int) -> str:
+    """Where an item of a tuple is."""
+    return f"getelementptr i8, ptr {of}, i64 {tuple.__basicsize__ + at * tuple.__itemsize__}"
 
 
 @lru_cache(maxsize=256)
