@@ -56,8 +56,9 @@ def update_motor_lag(known: MotorLag, innovation: Innovation, dt: float) -> Moto
     if variance == 0.0:
         return known
     variance += MOTOR_LAG_Q * dt
+    residuals, variances, by_lag = innovation
     for axis in range(AXES, 2 * AXES):  # of the velocities
-        residual, expected, slope = innovation.residual[axis], innovation.variance[axis], innovation.by_lag[axis]
+        residual, expected, slope = residuals[axis], variances[axis], by_lag[axis]
         if residual * residual < INNOVATION_SIGMAS * INNOVATION_SIGMAS * expected:
             gain = -variance * slope / (expected + slope * slope * variance)
             lag, variance = lag + gain * residual, (1.0 + gain * slope) * variance

@@ -9,11 +9,15 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from companion.calculus import machine_code
+from companion.calculus.scalar import Scalar
+from companion.calculus.straight import Function, Tape
 from companion.frames import Vec3
 from companion.paths.placement import Placement
 
@@ -32,7 +36,8 @@ class Knot(NamedTuple):
     curvature: Vec3
 
 
-Piece = tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
+Scalars = tuple[Scalar, Scalar, Scalar]
+Piece = tuple[tuple[Scalar, ...], tuple[Scalar, ...], tuple[Scalar, ...]]
 
 
 def quintic(a: Knot, b: Knot, length: float) -> Piece:
@@ -54,8 +59,8 @@ def _quintic(p0: float, v0: float, a0: float, p1: float, v1: float, a1: float, h
     )
 
 
-def evaluate(piece: Piece, u: float) -> tuple[Vec3, Vec3, Vec3]:
-    """Point, first and second derivative of ``piece``, ``u`` after its beginning."""
+def evaluate(piece: Piece, u: Scalar) -> tuple[Scalars, Scalars, Scalars]:
+    """Point, first and second derivative of ``piece``, ``u`` after its beginning. Floats, or symbols of a tape."""
     (a5, a4, a3, a2, a1, a0), (b5, b4, b3, b2, b1, b0), (c5, c4, c3, c2, c1, c0) = piece
     return (
         (
@@ -74,6 +79,15 @@ def evaluate(piece: Piece, u: float) -> tuple[Vec3, Vec3, Vec3]:
             ((20.0 * c5 * u + 12.0 * c4) * u + 6.0 * c3) * u + 2.0 * c2,
         ),
     )
+
+
+@lru_cache(maxsize=2)
+def _evaluation(in_machine_code: bool) -> Function:
+    """``evaluate``, recorded: of the coefficients of x, of y and of z, and of u."""
+    tape = Tape()
+    x, y, z = (tape.tuple_input(*(f"{axis}{power}" for power in range(6))) for axis in "xyz")
+    (u,) = tape.inputs("u")
+    return machine_code.function_of(tape, "evaluate", evaluate((x, y, z), u))
 
 
 @dataclass(frozen=True)
@@ -102,7 +116,8 @@ class ArcTable:
         """Point, first and second derivative at arc length ``s``; wrapped where closed, clamped where open."""
         s = self.within(s)
         i = bisect_right(self.knots, s, 0, len(self.pieces)) - 1
-        return evaluate(self.pieces[i], s - self.knots[i])
+        piece, u = self.pieces[i], s - self.knots[i]
+        return _evaluation(True)(*piece, u) if machine_code.in_use else evaluate(piece, u)
 
     def within(self, s: float) -> float:
         """``s`` as an arc length of the curve."""
@@ -147,7 +162,7 @@ class ArcTable:
         s = np.linspace(0.0, self.length, count)
         i = np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.pieces) - 1)
         u = s - np.array(self.knots)[i]
-        coefficients = np.array(self.pieces)[i]
+        coefficients: NDArray[np.float64] = np.array(self.pieces)[i]
         points = np.zeros((count, 3))
         for power in range(coefficients.shape[2]):
             points = points * u[:, None] + coefficients[:, :, power]
