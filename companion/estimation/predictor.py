@@ -66,9 +66,10 @@ def predict(
     )
     active = _active_commands(commands, begin, h, steps)
     if machine_code.in_use:
-        given = [number for _, rates_b, commanded in active for number in (rates_b, commanded)]
-        known = (h, *transitions, p_n, v_n, q_nb, *rate_loop_state, *forces)
-        p_n, v_n, q_nb, w_b = _recorded(steps)(*known, *given)
+        given = [h, *transitions, p_n, v_n, q_nb, *rate_loop_state, *forces]
+        for command in active:
+            given += command[1:]
+        p_n, v_n, q_nb, w_b = _recorded(steps)(*given)
     else:
         p_n, v_n, q_nb, w_b = _integrate(h, transitions, p_n, v_n, q_nb, rate_loop_state, forces, active)
     return PredictedState(p_n, v_n, normalised(q_nb), w_b)
