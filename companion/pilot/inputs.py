@@ -40,8 +40,8 @@ def safety_inputs(
     plan: Plan, memory: Memory, observation: Observation, status: KnownStatus, now: float
 ) -> conditions.SafetyInputs:
     """What the safety rows look at at ``now``, s by our clock."""
-    response = memory.watch.thrust_response
-    state, progress, limits, watch = memory.state, memory.path.progress, plan.conduct.limits, memory.watch
+    state, progress, limits = memory.state, memory.path.progress, plan.conduct.limits
+    watch, (_, _, place_stands, attitude_stands, velocity_off, rates_off, response) = memory.watch, memory.agreement
     if state is None:
         return conditions.SafetyInputs(status, rate=observation.rate, companions=observation.companions)
     x, y, z = state.p_n
@@ -71,10 +71,10 @@ def safety_inputs(
         needs=NEEDS[plan.level],
         jump=watch.jump,
         flagged=watch.flagged,
-        same_place=watch.same_place or watch.place_stands,
-        same_attitude=watch.same_attitude or watch.attitude_stands,
-        velocity_off=watch.velocity_off,
-        rates_off=watch.rates_off,
+        same_place=watch.same_place or place_stands,
+        same_attitude=watch.same_attitude or attitude_stands,
+        velocity_off=velocity_off,
+        rates_off=rates_off,
         clock_jump=watch.clock_jump,
         behind=observation.behind,
         rate=observation.rate,
@@ -110,7 +110,7 @@ def follows_commands(status: VehicleStatus, now: float, within: float = FOLLOWS_
 
 def is_thrust_judged(plan: Plan, memory: Memory) -> bool:
     """Whether the thrust was followed for long enough that its scale is known, and is to be judged in this phase."""
-    known = memory.watch.thrust_response.known > (THRUST_AFTER_AT_ONCE if plan.conduct.at_once else THRUST_AFTER)
+    known = memory.agreement.thrust_response.known > (THRUST_AFTER_AT_ONCE if plan.conduct.at_once else THRUST_AFTER)
     return known and memory.phase in THRUST_WATCHED
 
 

@@ -12,7 +12,7 @@ from companion.flight import conditions
 from companion.flight.interruptions import STATE_AGE_MAX
 from companion.flight.phases import Phase, Request
 from companion.frames import Vec3, conjugate, multiply
-from companion.pilot.memory import OWN_MODE, Memory, Observation, StateWatch, Sums
+from companion.pilot.memory import OWN_MODE, Memory, Observation, StateAgreement, StateWatch, Sums
 from companion.pilot.thrust_response import ThrustResponse
 from companion.vehicle import Mode, VehicleState
 
@@ -58,7 +58,7 @@ def take_in(memory: Memory, observation: Observation, now: float, *, clock_may_s
     if old is None or memory.state_at is None:
         return memory._replace(
             state=new, state_at=now - observation.late,
-            watch=watch._replace(arrived_at=now, checked=new),
+            watch=watch._replace(arrived_at=now), agreement=memory.agreement._replace(checked=new),
         )  # fmt: skip
     passed = new.t_boot - old.t_boot
     begins_anew = clock_may_stand and passed == 0.0
@@ -83,8 +83,6 @@ def take_in(memory: Memory, observation: Observation, now: float, *, clock_may_s
     watch = StateWatch(
         arrived_at=now, late=observation.late, gaps=gaps, jump=jump, flagged=flagged, clock_jump=max(ahead, 0.0),
         older=0, unusable=None, same_place=same_place, same_attitude=same_attitude,
-        checked=watch.checked, sums=watch.sums, place_stands=watch.place_stands, attitude_stands=watch.attitude_stands,
-        velocity_off=watch.velocity_off, rates_off=watch.rates_off, thrust_response=watch.thrust_response,
     )  # fmt: skip
     runs = memory.clock_runs or passed > 0.0
     return memory._replace(state=new, state_at=now - observation.late, watch=watch, clock_runs=runs)
@@ -125,35 +123,25 @@ def _unusable(watch: StateWatch, passed: float, late: float) -> StateWatch:
 NO_SUMS = Sums()
 
 
-def compare_states(watch: StateWatch, new: VehicleState, response: ThrustResponse) -> StateWatch:
-    """The watch once a state was compared with the one before, and the thrust with what was commanded (``response``).
-    Nothing of it is needed before the setpoint is sent."""
-    old = watch.checked
+def compare_states(agreement: StateAgreement, new: VehicleState, response: ThrustResponse) -> StateAgreement:
+    """The agreement once a state was compared with the one before, and the thrust with what was commanded
+    (``response``). Nothing of it is needed before the setpoint is sent."""
+    old = agreement.checked
     if old is None or new.resets != old.resets or not 0.0 < new.t_boot - old.t_boot < WINDOW:
-        return watch._replace(
+        return agreement._replace(
             checked=new, sums=NO_SUMS, place_stands=False, attitude_stands=False, thrust_response=response
         )
     dt = new.t_boot - old.t_boot
     keep = 1.0 - dt / WINDOW
     (north, east, down), (u, v, w) = old.p_n, new.p_n
     turn, x, y, z = multiply(conjugate(old.q_nb), new.q_nb)
-    moved, by_velocity, turned, by_rates = watch.sums
+    moved, by_velocity, turned, by_rates = agreement.sums
     moved = _summed(moved, keep, (u - north, v - east, w - down), 1.0)
     by_velocity = _summed(by_velocity, keep, new.v_n, dt)
     turned = _summed(turned, keep, (x, y, z), 2.0 if turn >= 0.0 else -2.0)
     by_rates = _summed(by_rates, keep, new.w_b, dt)
     should_move, should_turn = math.hypot(*by_velocity), math.hypot(*by_rates)
-    return StateWatch(
-        arrived_at=watch.arrived_at,
-        late=watch.late,
-        gaps=watch.gaps,
-        jump=watch.jump,
-        flagged=watch.flagged,
-        clock_jump=watch.clock_jump,
-        older=watch.older,
-        unusable=watch.unusable,
-        same_place=watch.same_place,
-        same_attitude=watch.same_attitude,
+    return StateAgreement(
         checked=new,
         sums=Sums(moved, by_velocity, turned, by_rates),
         place_stands=should_move > MOVES_SURELY * WINDOW and math.hypot(*moved) < STANDS * should_move,

@@ -58,7 +58,7 @@ class Sums(NamedTuple):
 
 
 class StateWatch(NamedTuple):
-    """Whether states agree with each other, with the clock and with what was commanded."""
+    """What is known of how the states come."""
 
     arrived_at: float = 0.0  # s, our clock, when the last one arrived
     late: float = 0.0  # s that it was late
@@ -70,6 +70,11 @@ class StateWatch(NamedTuple):
     unusable: str | None = None  # why what came last is no state
     same_place: bool = False  # the last one repeats the position of the one before, although it moves
     same_attitude: bool = False  # the same of the attitude, although it turns
+
+
+class StateAgreement(NamedTuple):
+    """Whether states agree with those before them and with what was commanded."""
+
     checked: VehicleState | None = None  # the last one that was compared
     sums: Sums = Sums()  # of it with those before it
     place_stands: bool = False  # too little changed for what the velocity says
@@ -152,7 +157,8 @@ class Memory(NamedTuple):
     clock_runs: bool = False  # its stamps advance
     from_ground: bool = False  # the flight began on the ground
     finished: bool = False  # what was to be followed was
-    watch: StateWatch = StateWatch()  # whether states agree with each other
+    watch: StateWatch = StateWatch()  # how states come
+    agreement: StateAgreement = StateAgreement()  # whether they agree with each other
     request: RequestMemory = RequestMemory()  # arming and modes
     path: PathMemory = PathMemory()  # where along it
     steering: SteeringRecord = SteeringRecord()  # the law

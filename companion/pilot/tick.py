@@ -42,7 +42,7 @@ from companion.pilot.memory import (
     Outcome,
     PathMemory,
     Progress,
-    StateWatch,
+    StateAgreement,
     SteeringRecord,
 )
 from companion.pilot.payload import due
@@ -133,7 +133,7 @@ def supervise(
         state = observation.state
         memory = memory._replace(
             path=_update_progress(plan, memory, state),
-            watch=_compare_state(plan, memory, state, observation.round_trip or 0.0),
+            agreement=_compare_state(plan, memory, state, observation.round_trip or 0.0),
         )
         memory = trim_aim(plan, memory)
     status = observation.status.known_at(now)
@@ -165,14 +165,14 @@ def supervise(
     return memory, Outcome(command.setpoint, request, notes, command.steered, ramp, sent, actions)
 
 
-def _compare_state(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> StateWatch:
+def _compare_state(plan: Plan, memory: Memory, state: VehicleState, delay: float) -> StateAgreement:
     """What the state says against the one before, and against what was commanded."""
-    watch, steered, vehicle = memory.watch, memory.steering.steered, plan.vehicle
-    old, response = watch.checked, watch.thrust_response
+    agreement, steered, vehicle = memory.agreement, memory.steering.steered, plan.vehicle
+    old, response = agreement.checked, agreement.thrust_response
     if old is not None and steered is not None:
         judged = is_thrust_judged(plan, memory)
         response = update_thrust_response(response, old, state, steered, vehicle.mass, vehicle.gravity, delay, judged)
-    return compare_states(watch, state, response)
+    return compare_states(agreement, state, response)
 
 
 class Commanded(NamedTuple):
@@ -202,11 +202,11 @@ def _command(moment: Moment, memory: Memory, fresh: bool) -> tuple[Memory, Comma
             memory = change_phase(moment, memory, str(error))
     elif fresh and memory.phase is Phase.STAND_BY and memory.state is not None and status.mode is not None:
         command = Commanded(neutral(plan, memory.state, status.landed is not Landed.IN_AIR))
-    watch, at = memory.watch, memory.state_at
+    at = memory.state_at
     age = math.inf if at is None else now - at
     # not for longer after the last state either, where the abort came late: a pilot who selects OFFBOARD then
     if memory.phase is Phase.ABORT and now - memory.entered <= LEVEL_FOR and age <= STATE_AGE_MAX + LEVEL_FOR:
-        stands = watch.same_attitude or watch.attitude_stands
+        stands = memory.watch.same_attitude or memory.agreement.attitude_stands
         usable = age <= STATE_AGE_MAX and not stands
         command = Commanded(plan.steering.level_setpoint(memory.state if usable else None, memory.steering.memory))
     return memory, command
