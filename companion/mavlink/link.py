@@ -130,19 +130,22 @@ class Link:
 
     def receive(self, frame: Frame, now: float) -> tuple[Command, int] | None:
         """Take a frame in. The command that stands wanted and its MAV_RESULT, where the frame answers it."""
-        if frame.format is HEARTBEAT:
+        fmt = frame.format
+        if fmt.id not in WANTED:
+            return None
+        if fmt is HEARTBEAT:
             self._meet(frame, now)
-        elif frame.format is COMMAND_ACK and self._of_camera(frame):
+        elif fmt is COMMAND_ACK and self._of_camera(frame):
             return self._match_acknowledgement(frame, now)
         elif not self.of_vehicle(frame):
             return None
-        elif frame.format is COMMAND_ACK:
+        elif fmt is COMMAND_ACK:
             return self._match_acknowledgement(frame, now)
-        elif frame.format is TIMESYNC:
+        elif fmt is TIMESYNC:
             self._synchronise(frame, now)
-        elif frame.format is AUTOPILOT_VERSION:
+        elif fmt is AUTOPILOT_VERSION:
             self._identify(frame)
-        elif frame.format is STATUSTEXT:
+        elif fmt is STATUSTEXT:
             severity, text = frame.values[:2]
             self.texts.append((severity, printable(text.split(b"\0")[0].decode("utf-8", "replace").rstrip("\t"))))
         return None
