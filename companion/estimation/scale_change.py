@@ -69,16 +69,17 @@ def update_scale_change(
     change: ScaleChange, before: Belief, after: Belief, noise: tuple[float, float], dt: float
 ) -> ScaleChange:
     """``change`` after a step of ``dt`` s that learned. ``noise``: process noise of thrust scale and drag in it."""
+    (score, information, variance), x, later = change, before.x, after.x
     (kk, kc, cc), (later_kk, later_kc, later_cc) = before.T, after.T
     kk, cc = kk + noise[0] * dt, cc + noise[1] * dt
     determinant = 1.0 / (later_kk * later_cc - later_kc * later_kc)
     gained = max(0.0, later_cc * determinant - cc / (kk * cc - kc * kc))
-    moved, moved_drag = after.x[THRUST_SCALE] - before.x[THRUST_SCALE], after.x[DRAG] - before.x[DRAG]
+    moved, moved_drag = later[THRUST_SCALE] - x[THRUST_SCALE], later[DRAG] - x[DRAG]
     most = STEP_SIGMAS * math.sqrt(gained)
     pull = clamped((later_cc * moved - later_kc * moved_drag) * determinant, -most, most)
     keep = max(0.0, 1.0 - dt / MEMORY)
-    information = keep * change.information + gained
+    information = keep * information + gained
     # what k has moved by, the measurements before no longer ask for
-    score = keep * change.score + pull - information * moved
-    variance = keep * keep * change.variance + gained
+    score = keep * score + pull - information * moved
+    variance = keep * keep * variance + gained
     return ScaleChange(score, information, variance)

@@ -98,25 +98,26 @@ def update_yaw_loop_estimate(
     known: YawLoopEstimate, commands: tuple[TimedCommand, ...], now: float, r: float
 ) -> YawLoopEstimate:
     """``known`` after the commands in force until ``now`` (s, the vehicle's clock) and a yaw rate (rad/s)."""
-    dt = now - known.at
+    prior, unknowns, covariance, rate, drive, integral, last, rate_mean, swing, ran, waited, at = known
+    dt = now - at
     if dt <= 0.0:
         return known
     if dt > GAP_MAX:
         return reset_yaw_loop(known, r)._replace(at=now)
-    mean = 0.5 * (r + known.last)
+    mean = 0.5 * (r + last)
     error = active_command(commands, now - 0.5 * dt).rates_b[2] - mean
-    integral = known.integral + dt * (INTEGRAL_OVER_PROPORTIONAL * error - known.integral / INTEGRAL_TIME)
+    integral += dt * (INTEGRAL_OVER_PROPORTIONAL * error - integral / INTEGRAL_TIME)
     k = 1.0 - math.exp(-FILTER_POLE * dt)
-    rate, drive = _filter(known.rate, mean, k), _filter(known.drive, error + integral, k)
-    ran, waited = known.ran + dt, known.waited + dt
-    off = rate[2] - known.rate_mean
+    rate, drive = _filter(rate, mean, k), _filter(drive, error + integral, k)
+    ran, waited = ran + dt, waited + dt
+    off = rate[2] - rate_mean
     share = dt / MEAN_TIME
+    rate_mean += share * off
+    swing = (1.0 - share) * (swing + share * off * off)
     known = YawLoopEstimate(
-        known.prior, known.unknowns, known.covariance, rate, drive, integral, last=r,
-        rate_mean=known.rate_mean + share * off, swing=(1.0 - share) * (known.swing + share * off * off),
-        ran=ran, waited=waited, at=now,
-    )  # fmt: skip
-    if waited < PERIOD or ran < SETTLING_TIME or known.swing < SWING_MIN:
+        prior, unknowns, covariance, rate, drive, integral, r, rate_mean, swing, ran, waited, at=now
+    )
+    if waited < PERIOD or ran < SETTLING_TIME or swing < SWING_MIN:
         return known
     return _learn(known)
 
