@@ -64,10 +64,10 @@ class Sensors:
 
     def observe(self, truth: Truth) -> Estimate:
         """The estimate after a step."""
-        time_us = max(0, round(truth.t_boot * 1e6) + self._ahead_us)
+        t_boot, p_n, v_n, a_n, q_nb, w_b, _, _ = truth
+        time_us = max(0, round(t_boot * 1e6) + self._ahead_us)
         if not (self._errs or self._moved):
-            return Estimate(time_us, truth.p_n, truth.v_n, truth.a_n, truth.q_nb, truth.w_b, self._resets)
-        p_n, v_n, q_nb, w_b = truth.p_n, truth.v_n, truth.q_nb, truth.w_b
+            return Estimate(time_us, p_n, v_n, a_n, q_nb, w_b, self._resets)
         if self._position is not None:
             p_n = _sum(p_n, self._position())
         if self._drift is not None:
@@ -83,7 +83,7 @@ class Sensors:
         if self._moved:
             p_n, v_n = _sum(p_n, self._p_moved), _sum(v_n, self._v_moved)
             q_nb = multiply(self._q_turned, q_nb)
-        return Estimate(time_us, p_n, v_n, truth.a_n, q_nb, w_b, self._resets, f_b_error)
+        return Estimate(time_us, p_n, v_n, a_n, q_nb, w_b, self._resets, f_b_error)
 
     def reset(self, event: EstimatorReset) -> None:
         """The estimate jumps. As in PX4 each of velocity, position and heading counts, level and vertical apart."""

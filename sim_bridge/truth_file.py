@@ -36,7 +36,8 @@ def header(rows: int) -> bytes:
 
 def row(truth: Truth, commands: Four) -> bytes:
     """The state after a step and the commands that led to it."""
-    return _ROW.pack(truth.t_boot, *truth.p_n, *truth.v_n, *truth.q_nb, *truth.w_b, *truth.rotor_thrusts, *commands)
+    t_boot, p_n, v_n, _, q_nb, w_b, rotor_thrusts, _ = truth
+    return _ROW.pack(t_boot, *p_n, *v_n, *q_nb, *w_b, *rotor_thrusts, *commands)
 
 
 class TruthRows:
