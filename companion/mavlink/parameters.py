@@ -113,7 +113,8 @@ class Parameters:
 
     def receive(self, frame: Frame) -> None:
         """Take in PARAM_VALUE and PARAM_ERROR of the vehicle."""
-        if frame.format is VALUE:
+        fmt = frame.format
+        if fmt is VALUE:
             name, parameter = _decode(frame)
             asked = self._asked.get(name)
             if parameter is None or (asked is None and name not in self.values):
@@ -121,7 +122,7 @@ class Parameters:
             self.values[name] = parameter
             if asked is not None and (asked.wanted is None or _same(parameter, asked.wanted)):
                 del self._asked[name]
-        elif frame.format is ERROR:
+        elif fmt is ERROR:
             name = _text(ERROR.named(frame.values)["param_id"])
             asked = self._asked.pop(name, None)
             if asked is not None and asked.wanted is None:

@@ -38,10 +38,10 @@ class Repeats:
 
     def is_repeat(self, frame: Frame) -> bool:
         """Whether this very frame has come before. It counts as come from now on."""
-        raw = frame.raw
+        fmt, system, component, _, raw = frame
         head, number = (10, raw[4]) if raw[0] == MAGIC_V2 else (6, raw[2])
         words = raw[head:-2]
-        who = frame.system << 8 | frame.component
+        who = system << 8 | component
         sender = self._senders.get(who)
         if sender is None:
             if len(self._senders) >= SENDERS_MAX:
@@ -51,7 +51,7 @@ class Repeats:
             ahead = (number - sender.newest) % NUMBERS
             may_be_next = 1 <= ahead <= AHEAD_MAX
             if ahead != 1 and sender.seen[number] == raw:
-                if may_be_next and words == sender.said.get(frame.format.id):
+                if may_be_next and words == sender.said.get(fmt.id):
                     return False  # either way it says what is so; which of the two it is, the next frame tells
                 self.count += 1
                 return True
@@ -59,8 +59,8 @@ class Repeats:
                 for lost in range(1, ahead):
                     sender.seen[(sender.newest + lost) % NUMBERS] = None
                 sender.newest = number
-            elif frame.format.id in sender.said:  # overtaken by others: what was said since stays the newest
-                words = sender.said[frame.format.id]
+            elif fmt.id in sender.said:  # overtaken by others: what was said since stays the newest
+                words = sender.said[fmt.id]
         sender.seen[number] = raw
-        sender.said[frame.format.id] = words
+        sender.said[fmt.id] = words
         return False
