@@ -118,6 +118,8 @@ class Heading(enum.Enum):
     PROJECTED = "projected"
     TWIST = "twist"
 
+    __hash__ = object.__hash__  # members are the only ones of their kind; Enum's own goes by the name, in Python
+
     def of(self, r: Matrix3) -> float:
         """rad, clockwise from north seen from above."""
         if self is Heading.TWIST:

@@ -133,6 +133,8 @@ class Course:
         """The places before and after arc length ``s`` (m), and how far from the one to the other it lies."""
         u = s / self.spacing
         i = math.floor(u)
+        if 0 <= i < len(self.places) - 1:
+            return i, i + 1, u - i
         return self.index(i), self.index(i + 1), u - i
 
     def index(self, k: int) -> int:
