@@ -18,8 +18,7 @@ from companion.estimation.rate_loop_model import (
     RateLoop,
     RateLoopState,
     TimedCommand,
-    axis_transition,
-    thrust_transition,
+    transitions_of,
 )
 from companion.frames import Quaternion, Vec3, normalised
 
@@ -58,20 +57,16 @@ def predict(
     """
     steps = max(1, math.ceil(horizon / STEP - 1e-9))
     h = round(horizon / steps, 6)
-    transitions = (
-        axis_transition(rate_loop.lags[0], rate_loop.motor_lag, h),
-        axis_transition(rate_loop.lags[1], rate_loop.motor_lag, h),
-        axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h),
-        thrust_transition(rate_loop.motor_lag, h),
-    )
     active = _active_commands(commands, begin, h, steps)
     if machine_code.in_use:
-        given = [h, *transitions, p_n, v_n, q_nb, *rate_loop_state, *forces]
+        given = [h, *transitions_of(rate_loop, h), p_n, v_n, q_nb, *rate_loop_state, *forces]
         for command in active:
             given += command[1:]
         p_n, v_n, q_nb, w_b = _recorded(steps)(*given)
     else:
-        p_n, v_n, q_nb, w_b = _integrate(h, transitions, p_n, v_n, q_nb, rate_loop_state, forces, active)
+        p_n, v_n, q_nb, w_b = _integrate(
+            h, transitions_of(rate_loop, h), p_n, v_n, q_nb, rate_loop_state, forces, active
+        )
     return PredictedState(p_n, v_n, normalised(q_nb), w_b)
 
 

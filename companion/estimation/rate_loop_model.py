@@ -114,6 +114,10 @@ class AxisTransition(NamedTuple):
     ad: float
 
 
+Transitions = tuple[AxisTransition, AxisTransition, AxisTransition, tuple[float, float]]
+"""Of roll, pitch and yaw, and of the thrust (see ``thrust_transition``)."""
+
+
 @lru_cache(maxsize=512)
 def axis_transition(lag: float, motor_lag: float, h: float) -> AxisTransition:
     """The exact solution over ``h`` s under a constant command. ``lag``, ``motor_lag``: s."""
@@ -148,6 +152,18 @@ def thrust_transition(motor_lag: float, h: float) -> tuple[float, float]:
     return e, (1.0 - e) * motor_lag / h
 
 
+@lru_cache(maxsize=512)
+def transitions_of(rate_loop: RateLoop, h: float) -> Transitions:
+    """Over ``h`` s."""
+    (roll_lag, pitch_lag), motor_lag, yaw_lag, yaw_torque_lag = rate_loop
+    return (
+        axis_transition(roll_lag, motor_lag, h),
+        axis_transition(pitch_lag, motor_lag, h),
+        axis_transition(yaw_lag, yaw_torque_lag, h),
+        thrust_transition(motor_lag, h),
+    )
+
+
 def steps_of(begin: float, end: float) -> tuple[int, float]:
     """The number of steps of STEP at most from ``begin`` to ``end`` (s), and their length (s)."""
     steps = max(1, math.ceil((end - begin) / STEP - 1e-9))
@@ -164,11 +180,8 @@ def propagate(
     steps, h = steps_of(begin, end)
     if h <= 0.0:
         return rate_loop_state, rate_loop_state.specific_thrust
-    (roll_lag, pitch_lag), motor_lag = rate_loop.lags, rate_loop.motor_lag
-    yy, yd, dy, dd, _, _ = axis_transition(roll_lag, motor_lag, h)
-    jj, jd, ej, edj, _, _ = axis_transition(pitch_lag, motor_lag, h)
-    zz, zd, ez, ed, _, _ = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
-    left, mean = thrust_transition(motor_lag, h)
+    roll, pitch, yaw, (left, mean) = transitions_of(rate_loop, h)
+    (yy, yd, dy, dd, _, _), (jj, jd, ej, edj, _, _), (zz, zd, ez, ed, _, _) = roll, pitch, yaw
     total = 0.0
     for k in range(steps):
         _, (sp, sq, sr), specific_thrust = active_command(commands, begin + (k + 0.5) * h)
