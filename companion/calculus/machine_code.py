@@ -16,16 +16,18 @@ from __future__ import annotations
 import ctypes
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
 from companion.calculus.scalar import Scalar
-from companion.calculus.straight import Function, Outputs, Symbol, Tape
+from companion.calculus.straight import Function, Outputs, Packed, Symbol, Tape
 
 in_use = False
 """Whether ``function_of`` gives machine code in this process."""
 
+PackedNumbers = tuple[float, ...] | bytes
+"""Numbers that only recorded functions read: as machine code these keep them as bytes, a fifth of the memory."""
 _OPERATORS = {"add": "fadd", "sub": "fsub", "mul": "fmul", "div": "fdiv"}
 _FUNCTIONS = {
     "sqrt": "llvm.sqrt.f64", "abs": "llvm.fabs.f64", "sin": "sin", "cos": "cos", "atan2": "atan2",
@@ -44,6 +46,9 @@ declare double @PyFloat_AsDouble(ptr)
 declare ptr @PyFloat_FromDouble(double)
 declare ptr @PyTuple_New(i64)
 declare i64 @PyTuple_Size(ptr)
+declare ptr @PyBytes_FromStringAndSize(ptr, i64)
+declare ptr @PyBytes_AsString(ptr)
+declare i64 @PyBytes_Size(ptr)
 declare ptr @PyErr_Occurred()
 declare void @PyErr_SetString(ptr, ptr)
 """ + "".join(
@@ -64,6 +69,8 @@ unread:
 }
 """
 """Where a call ends that gives nothing but an exception."""
+_DOUBLE = 8
+"""bytes of a float."""
 _METH_FASTCALL = 0x0080
 """Python's flag of a function that is given a C array of its arguments, and their number."""
 _owners: list[Any] = []  # of the code; it is never given back
@@ -89,6 +96,16 @@ def use() -> bool:
     return in_use
 
 
+def packed(numbers: Sequence[float]) -> PackedNumbers:
+    """Numbers as a function takes and gives them that says ``Packed``."""
+    return struct.pack(f"{len(numbers)}d", *numbers) if in_use else tuple(numbers)
+
+
+def unpacked(numbers: PackedNumbers) -> tuple[float, ...]:
+    """What was ``packed``."""
+    return struct.unpack(f"{len(numbers) // _DOUBLE}d", numbers) if isinstance(numbers, bytes) else numbers
+
+
 def function_of(tape: Tape, name: str, outputs: Outputs) -> Function:
     """``tape.function``, as machine code where that is in use and can be."""
     text = assembly(tape, outputs) if in_use else None
@@ -104,24 +121,11 @@ def assembly(tape: Tape, outputs: Outputs) -> str | None:
     def operand(scalar: Scalar) -> str:
         return values[scalar.index] if isinstance(scalar, Symbol) else _constant(scalar)
 
-    def object_of(output: Scalar | Sequence[Scalar], name: str) -> str:
-        """The object of an output, by its name."""
-        if isinstance(output, Sequence):
-            lines.append(f"{name} = call ptr @PyTuple_New(i64 {len(output)})")
-            for at, item in enumerate(output):
-                made = object_of(item, f"{name}_{at}")
-                lines.append(f"{made}_place = {_item(name, at)}")
-                lines.append(f"store ptr {made}, ptr {made}_place")
-        else:
-            lines.append(f"{name} = call ptr @PyFloat_FromDouble(double {operand(output)})")
-        return name
-
     for symbol in tape.needed(outputs):
         k, operation = symbol.index, symbol.operation
         own = values[k] = f"%v{k}"
         if operation == "input":
-            lines += [f"%at{k} = {inputs[symbol.arguments[0]]}"]
-            lines += [f"%object{k} = load ptr, ptr %at{k}", f"{own} = call double @PyFloat_AsDouble(ptr %object{k})"]
+            lines += _read(k, *inputs[symbol.arguments[0]])
             continue
         arguments = [operand(argument) for argument in symbol.arguments]
         a, b = arguments[0], arguments[-1]
@@ -150,8 +154,27 @@ def assembly(tape: Tape, outputs: Outputs) -> str | None:
     lines += ["%error = call ptr @PyErr_Occurred()", "%is_read = icmp eq ptr %error, null"]
     lines += ["br i1 %is_read, label %judge, label %unread", "judge:"]
     lines += [f"br i1 {(doubts or ['false'])[-1]}, label %raised, label %answer", "answer:"]
-    lines.append(f"ret ptr {object_of(outputs, '%made')}")
+    lines += [*_made(outputs, "%made", operand), "ret ptr %made"]
     return "\n".join([_DECLARED, *_begun(tape), *lines, _FAILED])
+
+
+def _made(output: Scalar | Sequence[Scalar], name: str, operand: Callable[[Scalar], str]) -> list[str]:
+    """The object of an output under a ``name``. ``operand``: what stands for a number."""
+    if isinstance(output, Packed):
+        lines = [f"{name} = call ptr @PyBytes_FromStringAndSize(ptr null, i64 {_DOUBLE * len(output)})"]
+        lines += [f"{name}_data = call ptr @PyBytes_AsString(ptr {name})"]
+        for at, item in enumerate(output):
+            lines += [f"{name}_{at} = getelementptr double, ptr {name}_data, i64 {at}"]
+            lines += [f"store double {operand(item)}, ptr {name}_{at}"]
+        return lines
+    if isinstance(output, Sequence):
+        lines = [f"{name} = call ptr @PyTuple_New(i64 {len(output)})"]
+        for at, item in enumerate(output):
+            made = f"{name}_{at}"
+            lines += [*_made(item, made, operand), f"{made}_place = {_item(name, at)}"]
+            lines += [f"store ptr {made}, ptr {made}_place"]
+        return lines
+    return [f"{name} = call ptr @PyFloat_FromDouble(double {operand(output)})"]
 
 
 def _begun(tape: Tape) -> list[str]:
@@ -163,22 +186,37 @@ def _begun(tape: Tape) -> list[str]:
     for at, names in enumerate(tape.arguments):
         if isinstance(names, tuple):
             lines += [f"%place{at} = getelementptr ptr, ptr %given, i64 {at}", f"%tuple{at} = load ptr, ptr %place{at}"]
-            lines += [f"%size{at} = call i64 @PyTuple_Size(ptr %tuple{at})"]
+            if isinstance(names, Packed):
+                lines += [f"%data{at} = call ptr @PyBytes_AsString(ptr %tuple{at})"]
+                lines += [f"%bytes{at} = call i64 @PyBytes_Size(ptr %tuple{at})"]
+                lines += [f"%size{at} = sdiv i64 %bytes{at}, {_DOUBLE}"]
+            else:
+                lines += [f"%size{at} = call i64 @PyTuple_Size(ptr %tuple{at})"]
             lines += [f"%has{at} = icmp eq i64 %size{at}, {len(names)}", f"%fits{at} = and i1 {fits}, %has{at}"]
             fits = f"%fits{at}"
     return [*lines, f"br i1 {fits}, label %compute, label %miscalled", "compute:"]
 
 
-def _inputs(tape: Tape) -> dict[str, str]:
-    """Where the object of each input is: among the arguments, or among the items of one."""
-    places = dict[str, str]()
+def _inputs(tape: Tape) -> dict[str, tuple[str, bool]]:
+    """Where each input is: among the arguments, or among the items of one; and whether it is a packed number."""
+    places = dict[str, tuple[str, bool]]()
     for at, given in enumerate(tape.arguments):
         if isinstance(given, str):
-            places[given] = f"getelementptr ptr, ptr %given, i64 {at}"
-        else:
-            for item, name in enumerate(given):
-                places[name] = _item(f"%tuple{at}", item)
+            places[given] = f"getelementptr ptr, ptr %given, i64 {at}", False
+            continue
+        is_packed = isinstance(given, Packed)
+        for item, name in enumerate(given):
+            place = f"getelementptr double, ptr %data{at}, i64 {item}" if is_packed else _item(f"%tuple{at}", item)
+            places[name] = place, is_packed
     return places
+
+
+def _read(k: int, place: str, is_packed: bool) -> list[str]:
+    """An input as a float."""
+    at = f"%at{k} = {place}"
+    if is_packed:
+        return [at, f"%v{k} = load double, ptr %at{k}"]
+    return [at, f"%object{k} = load ptr, ptr %at{k}", f"%v{k} = call double @PyFloat_AsDouble(ptr %object{k})"]
 
 
 def _item(of: str, at: int) -> str:

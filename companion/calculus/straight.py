@@ -100,6 +100,10 @@ class Symbol:
         return self.tape.record(function, arguments)
 
 
+class Packed(tuple[Any, ...]):
+    """Inputs, or outputs, that only recorded functions read: see ``machine_code.packed``."""
+
+
 class Tape:
     """A recording: make its ``inputs``, compute with them, then ask for a ``function``."""
 
@@ -114,9 +118,9 @@ class Tape:
         self.arguments += names
         return tuple(self.record("input", (name,)) for name in names)
 
-    def tuple_input(self, *names: str) -> tuple[Symbol, ...]:
-        """New inputs that the function takes together, as one tuple."""
-        self.arguments.append(names)
+    def tuple_input(self, *names: str, packed: bool = False) -> tuple[Symbol, ...]:
+        """New inputs that the function takes together, as one tuple. ``packed``: see Packed."""
+        self.arguments.append(Packed(names) if packed else names)
         return tuple(self.record("input", (name,)) for name in names)
 
     def record(self, operation: str, arguments: tuple[Any, ...]) -> Symbol:

@@ -109,8 +109,8 @@ def adaptation_of(measurements: bool, levels: bool, in_machine_code: bool) -> Fu
     residuals = tape.tuple_input(*(f"i{k}" for k in range(2 * AXES)))
     predicted = tape.tuple_input(*(f"v{k}" for k in range(2 * AXES)))
     x = tape.tuple_input(*(f"x{i}" for i in range(SIZE)))
-    S = tape.tuple_input(*(f"s{i}" for i in range(AXES * len(UPPER))))
-    G = tape.tuple_input(*(f"g{i}" for i in range(2 * AXES * PER_AXIS)))
+    S = tape.tuple_input(*(f"s{i}" for i in range(AXES * len(UPPER))), packed=True)
+    G = tape.tuple_input(*(f"g{i}" for i in range(2 * AXES * PER_AXIS)), packed=True)
     T = tape.tuple_input("tkk", "tkc", "tcc")
     if measurements:
         variances = _adapted_variances(variances, residuals, predicted, dt)

@@ -34,6 +34,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from companion.calculus import machine_code
+from companion.calculus.machine_code import PackedNumbers, packed, unpacked
 from companion.calculus.scalar import Scalar
 from companion.estimation.kalman_step import (
     AT,
@@ -74,10 +75,10 @@ class Belief(NamedTuple):
     of k and c. ``by_lag``: what x would be more, over seconds that the motors' lag is more."""
 
     x: tuple[float, ...]
-    S: tuple[float, ...]
-    G: tuple[float, ...]
+    S: PackedNumbers
+    G: PackedNumbers
     T: tuple[float, float, float]
-    by_lag: tuple[float, ...] = (0.0,) * SIZE
+    by_lag: PackedNumbers = (0.0,) * SIZE
 
     @property
     def p_n(self) -> Vec3:
@@ -140,16 +141,17 @@ class Belief(NamedTuple):
         """Of one number of the state."""
         if index >= THRUST_SCALE:
             return self.T[0] if index == THRUST_SCALE else self.T[2]
-        variance: float = variance_of(index, self.S, self.G, self.T)
+        variance: float = variance_of(index, unpacked(self.S), unpacked(self.G), self.T)
         return variance
 
     def covariance(self) -> list[list[float]]:
         """Of the whole state, SIZE x SIZE; for who looks at it, not for the filter."""
         kk, kc, cc = self.T
-        slopes = [*zip(self.G[::2], self.G[1::2], strict=True), (1.0, 0.0), (0.0, 1.0)]
+        S, G = unpacked(self.S), unpacked(self.G)
+        slopes = [*zip(G[::2], G[1::2], strict=True), (1.0, 0.0), (0.0, 1.0)]
         P = [[a * (kk * d + kc * e) + b * (kc * d + cc * e) for d, e in slopes] for a, b in slopes]
         for axis in range(AXES):
-            for (i, j), value in zip(UPPER, self.S[len(UPPER) * axis :], strict=False):
+            for (i, j), value in zip(UPPER, S[len(UPPER) * axis :], strict=False):
                 row, column = PER_AXIS * axis + i, PER_AXIS * axis + j
                 P[row][column] += value
                 if row != column:
@@ -195,7 +197,7 @@ def reset_position_velocity(belief: Belief, p_n: Vec3, v_n: Vec3, noise: NoiseLe
     """``belief`` with position and velocity reset to what is reported (m, m/s), their errors to none, and their
     cross-covariances with all else zeroed, as after a jump of the vehicle's own estimate; what is known of the forces
     stays."""
-    x, S, G, by_lag = list(belief.x), list(belief.S), list(belief.G), list(belief.by_lag)
+    x, S, G, by_lag = list(belief.x), *(list(unpacked(part)) for part in (belief.S, belief.G, belief.by_lag))
     for axis in range(AXES):
         at, first = PER_AXIS * axis, len(UPPER) * axis
         u, b = noise.wander[axis], noise.velocity_error[axis]
@@ -206,7 +208,7 @@ def reset_position_velocity(belief: Belief, p_n: Vec3, v_n: Vec3, noise: NoiseLe
             for other in range(PER_AXIS):
                 S[first + AT[min(moved, other), max(moved, other)]] = variance if other == moved else 0.0
         S[first + AT[VELOCITY, VELOCITY_ERROR]] = -b
-    return Belief(tuple(x), tuple(S), tuple(G), belief.T, tuple(by_lag))
+    return Belief(tuple(x), packed(S), packed(G), belief.T, packed(by_lag))
 
 
 def reset_disturbance(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3, noise: NoiseLevels) -> Belief:

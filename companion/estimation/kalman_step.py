@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 from companion.calculus import machine_code
 from companion.calculus.scalar import Scalar
-from companion.calculus.straight import Function, Tape
+from companion.calculus.straight import Function, Packed, Tape
 from companion.estimation.translation import Scalar3, acceleration
 from companion.frames import Vec3
 
@@ -96,14 +96,13 @@ def _record_step(name: str, *, learning: bool) -> Function:
     measured = (*tape.tuple_input("xm", "ym", "zm"), *tape.tuple_input("vxm", "vym", "vzm"))
     noise_p, noise_v = tape.inputs("rp", "rv")
     levels = [tape.tuple_input(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
-    disturbance_q = tape.tuple_input("qdx", "qdy", "qdz")
-    heading_error, tilt_error, scale_q, drag_q = tape.inputs("e", "t", "qk", "qc")
-    F_by_lag = tape.tuple_input("flx", "fly", "flz")
-    *states, (scale, c) = _by_axis(tape.tuple_input(*(f"x{i}" for i in range(SIZE))), PER_AXIS)
-    upper = _by_axis(tape.tuple_input(*(f"s{i}" for i in range(AXES * len(UPPER)))), len(UPPER))
-    slopes = _by_axis(tape.tuple_input(*(f"g{i}" for i in range(2 * AXES * PER_AXIS))), 2 * PER_AXIS)
+    disturbance_q, (heading_error, tilt_error) = tape.tuple_input("qdx", "qdy", "qdz"), tape.inputs("e", "t")
+    (scale_q, drag_q), F_by_lag = tape.inputs("qk", "qc"), tape.tuple_input("flx", "fly", "flz")
+    *states, (scale, c) = _inputs(tape, "x", SIZE, PER_AXIS)
+    upper = _inputs(tape, "s", AXES * len(UPPER), len(UPPER), packed=True)
+    slopes = _inputs(tape, "g", 2 * AXES * PER_AXIS, 2 * PER_AXIS, packed=True)
     tkk, tkc, tcc = tape.tuple_input("tkk", "tkc", "tcc")
-    *by_lag, (scale_by_lag, c_by_lag) = _by_axis(tape.tuple_input(*(f"y{i}" for i in range(SIZE))), PER_AXIS)
+    *by_lag, (scale_by_lag, c_by_lag) = _inputs(tape, "y", SIZE, PER_AXIS, packed=True)
     T: Matrix = [[tkk, tkc], [tkc, tcc]]
     Q = (scale_q * dt, drag_q * dt)
     across: tuple[Scalar, ...] = (F[1] * -1.0, F[0], 0.0)  # e3 x F, by which E turns it
@@ -140,17 +139,18 @@ def _record_step(name: str, *, learning: bool) -> Function:
     y = [value + (k * y_by_k + d * y_by_c) for known in axes for value, (k, d) in zip(known.y, known.G, strict=True)]
     return machine_code.function_of(tape, name, [
         [*x, scale + by_k, c + by_c],
-        [known.S[i][j] for known in axes for i, j in UPPER],
-        [slope for known in axes for row in known.G for slope in row],
+        Packed(known.S[i][j] for known in axes for i, j in UPPER),
+        Packed(slope for known in axes for row in known.G for slope in row),
         [T[0][0], T[0][1], T[1][1]],
-        [*y, scale_by_lag + y_by_k, c_by_lag + y_by_c],
+        Packed((*y, scale_by_lag + y_by_k, c_by_lag + y_by_c)),
         *([each[kind] for each in (*positions, *velocities)] for kind in range(3)),
     ])  # fmt: skip
 
 
-def _by_axis(numbers: Sequence[Scalar], size: int) -> list[Sequence[Scalar]]:
-    """So many numbers of each axis; at the end those of none."""
-    return [numbers[at : at + size] for at in range(0, len(numbers), size)]
+def _inputs(tape: Tape, name: str, count: int, size: int, *, packed: bool = False) -> list[Sequence[Scalar]]:
+    """``count`` numbers, so many of each axis; at the end those of none."""
+    numbers = tape.tuple_input(*(f"{name}{i}" for i in range(count)), packed=packed)
+    return [numbers[at : at + size] for at in range(0, count, size)]
 
 
 def _each(states: Sequence[Sequence[Scalar]], kind: int) -> Scalar3:

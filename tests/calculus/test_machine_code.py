@@ -14,8 +14,9 @@ import pytest
 
 from companion.calculus import machine_code
 from companion.calculus.expression import parse
+from companion.calculus.machine_code import PackedNumbers, packed, unpacked
 from companion.calculus.scalar import Scalar, elementary, maximum, minimum, sqrt, wrap
-from companion.calculus.straight import Function, Tape, flat
+from companion.calculus.straight import Function, Packed, Tape, flat
 from companion.estimation.kalman_step import AXES, PER_AXIS, SIZE, UPPER, step_of
 from companion.estimation.predictor import ForceModel, predict
 from companion.estimation.rate_loop_model import RateLoopState, TimedCommand, alike
@@ -43,10 +44,10 @@ def bits(values: Sequence[float]) -> list[bytes]:
     return [b"nan" if math.isnan(value) else struct.pack("d", value) for value in values]
 
 
-def outcome(function: Function, *inputs: float | tuple[float, ...]) -> object:
+def outcome(function: Function, *inputs: float | PackedNumbers) -> object:
     """What a function gives, or that it raises."""
     try:
-        return bits(flat(function(*inputs)))
+        return bits(flat([unpacked(part) for part in function(*inputs)]))
     except (ValueError, ArithmeticError):
         return "raised"
 
@@ -118,6 +119,21 @@ def test_tuples_are_taken_and_given_as_they_are() -> None:
     assert many(1.0, 2.0, 3.0, 4.0, 5.0).tolist() == [1.0, 6.0, 2.0, 5.0]
 
 
+def test_packed_numbers_are_read_and_made_by_functions_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    tape = Tape()
+    a, b, c = tape.tuple_input("a", "b", "c", packed=True)
+    python, machine = both(tape, [a + b, Packed([b, -c])])
+    assert python((1.0, 2.0, 3.0)) == (3.0, (2.0, -3.0))
+    given = packed([1.0, 2.0, 3.0])
+    assert isinstance(given, bytes) and unpacked(given) == (1.0, 2.0, 3.0)
+    assert machine(given) == (3.0, packed((2.0, -3.0)))
+    for wrong in (packed([1.0, 2.0]), packed([1.0] * 4), (1.0, 2.0, 3.0), 1.0, None):
+        with pytest.raises(TypeError):
+            machine(wrong)
+    monkeypatch.setattr(machine_code, "in_use", False)
+    assert packed([1.0, 2.0, 3.0]) == unpacked((1.0, 2.0, 3.0)) == (1.0, 2.0, 3.0)
+
+
 def test_what_is_not_known_stays_python() -> None:
     for text in SAMPLES:
         tape = Tape()
@@ -148,8 +164,10 @@ def test_the_step_of_the_filter_is_the_same(learning: bool) -> None:
         single = [rng.uniform(-1.0, 1.0) for _ in range(7)]
         force, p_n, v_n, *levels, by_lag = (tuple(rng.uniform(-1.0, 1.0) for _ in range(3)) for _ in range(8))
         known = [tuple(rng.uniform(-1.0, 1.0) for _ in range(size)) for size in belief]
-        given = (0.008, force, 9.8, p_n, v_n, *single[:2], *levels, *single[2:6], by_lag, *known)
-        assert outcome(step_of(learning, True), *given) == outcome(step_of(learning, False), *given)
+        given = (0.008, force, 9.8, p_n, v_n, *single[:2], *levels, *single[2:6], by_lag)
+        x, S, G, T, y = known
+        machine = outcome(step_of(learning, True), *given, x, packed(S), packed(G), T, packed(y))
+        assert machine == outcome(step_of(learning, False), *given, *known)
 
 
 @pytest.mark.parametrize("horizon", [0.004, 0.05, 0.11])
