@@ -21,7 +21,7 @@ from companion.steering.encoding import AsRates, as_attitude
 from companion.steering.speed_governor import Course, course_of
 from companion.steering.steering import Steering
 from companion.steering.torques import torque_steering
-from companion.steering.yaw import thrust_per_rate
+from companion.steering.yaw import thrust_per_rate, yaw_integral
 from companion.vehicle import OutputLevel, Tuning, Vehicle
 
 HOVER_THRUST = 0.5
@@ -167,4 +167,5 @@ def _steering(
         per_rate,
         path_pole,
         yaw_lag,
+        yaw_integral(tuning),
     )

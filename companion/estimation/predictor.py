@@ -59,13 +59,13 @@ def predict(
     h = round(horizon / steps, 6)
     active = _active_commands(commands, begin, h, steps)
     if machine_code.in_use:
-        given = [h, *transitions_of(rate_loop, h), p_n, v_n, q_nb, *rate_loop_state, *forces]
+        given = [h, *transitions_of(rate_loop, h), rate_loop.yaw_gain, p_n, v_n, q_nb, *rate_loop_state, *forces]
         for command in active:
             given += command[1:]
         p_n, v_n, q_nb, w_b = _recorded(steps)(*given)
     else:
         p_n, v_n, q_nb, w_b = _integrate(
-            h, transitions_of(rate_loop, h), p_n, v_n, q_nb, rate_loop_state, forces, active
+            h, transitions_of(rate_loop, h), rate_loop.yaw_gain, p_n, v_n, q_nb, rate_loop_state, forces, active
         )
     return PredictedState(p_n, v_n, normalised(q_nb), w_b)
 
@@ -84,9 +84,9 @@ def _active_commands(commands: tuple[TimedCommand, ...], begin: float, h: float,
 
 
 def _integrate(
-    h: Scalar, transitions: tuple[Scalars, Scalars, Scalars, Scalars], p_n: Scalars, v_n: Scalars, q_nb: Scalars,
-    rate_loop_state: tuple[Scalars, Scalars, Scalar, Scalar], forces: tuple[Scalar, Scalar, Scalars, Scalar],
-    active: Iterable[tuple[Any, Scalars, Scalar]],
+    h: Scalar, transitions: tuple[Scalars, Scalars, Scalars, Scalars], yaw_gain: Scalar, p_n: Scalars, v_n: Scalars,
+    q_nb: Scalars, rate_loop_state: tuple[Scalars, Scalars, Scalar, Scalar],
+    forces: tuple[Scalar, Scalar, Scalars, Scalar], active: Iterable[tuple[Any, Scalars, Scalar]],
 ) -> tuple[Any, Any, Any, Any]:  # fmt: skip
     """Steps of ``h`` s, each under its command: position, velocity, attitude, body rates. Floats, or symbols of a
     tape."""
@@ -101,7 +101,7 @@ def _integrate(
     damping = 1.0 - half * drag  # drag acts on the velocity in the middle of the step
     ex, ey, ez_n = qx * qz + qw * qy, qy * qz - qw * qx, 0.5 - (qx * qx + qy * qy)  # half the thrust axis
     for _, (sp, sq, sr), commanded in active:
-        sr = sr + trim
+        sr = yaw_gain * (sr + trim)
         yp, yq, yr = wp - sp, wq - sq, wr - sr
         # half the angles turned in this step, each axis by its own loop
         hp, hq, hr = sp * half + ay * yp + ad * pd, sq * half + aj * yq + adj * qd, sr * half + az * yr + bz * rd
@@ -140,9 +140,10 @@ def _recorded(steps: int) -> Function:
 
     (h,) = tape.inputs("h")
     transitions = (numbers("roll", 6), numbers("pitch", 6), numbers("yaw", 6), numbers("thrust", 2))
+    (yaw_gain,) = tape.inputs("yaw_gain")
     p_n, v_n, q_nb = numbers("p", 3), numbers("v", 3), numbers("q", 4)
     rate_loop_state = (numbers("w", 3), numbers("w_dot", 3), *tape.inputs("f", "trim"))
     forces = (*tape.inputs("k", "c"), numbers("d", 3), *tape.inputs("g"))
     active = [(None, numbers(f"rates{k}_", 3), *tape.inputs(f"f{k}")) for k in range(steps)]
-    outputs = _integrate(h, transitions, p_n, v_n, q_nb, rate_loop_state, forces, active)
+    outputs = _integrate(h, transitions, yaw_gain, p_n, v_n, q_nb, rate_loop_state, forces, active)
     return machine_code.function_of(tape, "predict", outputs)

@@ -5,6 +5,11 @@
 A proportional rate loop of gain 1/lag around motors of lag tm is exactly this, with wn = 1/sqrt(lag tm) and
 zeta = sqrt(lag/tm)/2; its delay for slow commands is ``lag``. With the figures of PX4's simulated quadrotor (71 ms,
 50 ms) it is the measured response (wn 17 rad/s, zeta 0.6) to 3 %.
+
+Yaw is slower, so that what is small beside the tilting loops shows: the air damps the body's turning, and the loop's
+integral fills in every bend (``yaw_damping``, ``yaw_integral``),
+
+    r'' = (r_cmd + trim - r - T damping r) / (T theta) - r' / theta        trim' = I/P (r_cmd - r)
 """
 
 from __future__ import annotations
@@ -25,6 +30,9 @@ YAW_FILTER_LAG = 0.085
 (IMU_GYRO_CUTOFF 40 Hz, 5.6 ms)."""
 YAW_TORQUE_LAG = YAW_FILTER_LAG + 0.05
 """s, of the yaw torque: the same with the motors of PX4's simulated quadrotor."""
+YAW_INTEGRAL_RATE = 0.5
+"""1/s: the yaw trim's derivative over the yaw rate error, by the loop's own integral. PX4's defaults MC_YAWRATE_I 0.1
+over MC_YAWRATE_P 0.2."""
 YAW_OBSERVER_POLE = 8.0
 """1/s: where all three poles of the yaw observer lie, as -8. Engineering choice."""
 YAW_TRIM_MAX = 2.0
@@ -73,7 +81,7 @@ class RateLoopState(NamedTuple):
 
     ``w_b``: rad/s, body rates. ``w_dot_b``: rad/s^2. ``specific_thrust``: m/s^2, what the motors make of the commanded
     one. ``yaw_trim``: rad/s, the disturbance of the yaw loop at its input: it turns as if so much more had been
-    commanded (drag of its turning, an integrator that fills, rotors that do not match).
+    commanded (an integrator that fills, rotors that do not match).
     """
 
     w_b: Vec3
@@ -84,12 +92,21 @@ class RateLoopState(NamedTuple):
 
 class RateLoop(NamedTuple):
     """The model's figures. ``lags``: s, of the roll and the pitch rate loop. ``motor_lag``: s. ``yaw_lag``: s, of the
-    yaw rate loop; ``yaw_torque_lag``: s, of its torque."""
+    yaw rate loop; ``yaw_torque_lag``: s, of its torque; ``yaw_damping``: 1/s, of the body's turning; ``yaw_integral``:
+    1/s, what its integral adds to the trim over the rate error."""
 
     lags: tuple[float, float]
     motor_lag: float
     yaw_lag: float = YAW_LAG
     yaw_torque_lag: float = YAW_TORQUE_LAG
+    yaw_damping: float = 0.0
+    yaw_integral: float = YAW_INTEGRAL_RATE
+
+    @property
+    def yaw_gain(self) -> float:
+        """Ratio: the yaw rate that stays over what is commanded and the trim; the damping takes the rest. It makes the
+        loop quicker as it makes it weaker: what it follows it follows with the lag ``yaw_gain`` times ``yaw_lag``."""
+        return 1.0 / (1.0 + self.yaw_lag * self.yaw_damping)
 
     @property
     def lag(self) -> float:
@@ -155,11 +172,11 @@ def thrust_transition(motor_lag: float, h: float) -> tuple[float, float]:
 @lru_cache(maxsize=512)
 def transitions_of(rate_loop: RateLoop, h: float) -> Transitions:
     """Over ``h`` s."""
-    (roll_lag, pitch_lag), motor_lag, yaw_lag, yaw_torque_lag = rate_loop
+    (roll_lag, pitch_lag), motor_lag, yaw_lag, yaw_torque_lag, _, _ = rate_loop
     return (
         axis_transition(roll_lag, motor_lag, h),
         axis_transition(pitch_lag, motor_lag, h),
-        axis_transition(yaw_lag, yaw_torque_lag, h),
+        axis_transition(rate_loop.yaw_gain * yaw_lag, yaw_torque_lag, h),
         thrust_transition(motor_lag, h),
     )
 
@@ -181,19 +198,20 @@ def propagate(
     if h <= 0.0:
         return rate_loop_state, rate_loop_state.specific_thrust
     roll, pitch, yaw, (left, mean) = transitions_of(rate_loop, h)
+    yaw_gain, yaw_integral = rate_loop.yaw_gain, rate_loop.yaw_integral
     (yy, yd, dy, dd, _, _), (jj, jd, ej, edj, _, _), (zz, zd, ez, ed, _, _) = roll, pitch, yaw
     total = 0.0
     for k in range(steps):
         _, (sp, sq, sr), specific_thrust = active_command(commands, begin + (k + 0.5) * h)
         (p, q, r), (pd, qd, rd), f, trim = rate_loop_state
-        sr = sr + trim
-        yp, yq, yr = p - sp, q - sq, r - sr
+        goal = yaw_gain * (sr + trim)
+        yp, yq, yr = p - sp, q - sq, r - goal
         total += specific_thrust + mean * (f - specific_thrust)
         rate_loop_state = RateLoopState(
-            (sp + yy * yp + yd * pd, sq + jj * yq + jd * qd, sr + zz * yr + zd * rd),
+            (sp + yy * yp + yd * pd, sq + jj * yq + jd * qd, goal + zz * yr + zd * rd),
             (dy * yp + dd * pd, ej * yq + edj * qd, ez * yr + ed * rd),
             specific_thrust + left * (f - specific_thrust),
-            trim,
+            trim + h * yaw_integral * (sr - r),
         )
     return rate_loop_state, total / steps
 
@@ -206,10 +224,12 @@ def propagate_yaw(
     steps, h = steps_of(begin, end)
     if h <= 0.0:
         return r, rd
-    zz, zd, ez, ed, _, _ = axis_transition(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
+    gain = rate_loop.yaw_gain
+    zz, zd, ez, ed, _, _ = axis_transition(gain * rate_loop.yaw_lag, rate_loop.yaw_torque_lag, h)
     for k in range(steps):
-        goal = active_command(commands, begin + (k + 0.5) * h).rates_b[2] + trim
-        y = r - goal
+        commanded = active_command(commands, begin + (k + 0.5) * h).rates_b[2]
+        goal = gain * (commanded + trim)
+        y, trim = r - goal, trim + h * rate_loop.yaw_integral * (commanded - r)
         r, rd = goal + zz * y + zd * rd, ez * y + ed * rd
     return r, rd
 
@@ -231,13 +251,13 @@ def active_command(commands: tuple[Timed, ...], t: float) -> Timed:
 
 
 @lru_cache(maxsize=64)
-def yaw_observer(yaw_lag: float, torque_lag: float) -> Vec3:
+def yaw_observer(yaw_lag: float, torque_lag: float, gain: float, integral: float) -> Vec3:
     """1/s, 1/s^2, 1/s: gains from the gyro's innovation to yaw rate, its derivative and the trim: those that put the
-    poles of r'' = wn^2 (r_cmd + trim - r) - r' / theta, wn^2 = 1 / (yaw_lag theta), to YAW_OBSERVER_POLE. ``yaw_lag``,
-    ``torque_lag`` (theta): s."""
-    p, decay, wn2 = YAW_OBSERVER_POLE, 1.0 / torque_lag, 1.0 / (yaw_lag * torque_lag)
+    poles of r'' = (r_cmd + trim - r / gain) / (yaw_lag theta) - r' / theta, trim' = integral (r_cmd - r), to
+    YAW_OBSERVER_POLE. ``yaw_lag``, ``torque_lag`` (theta): s. ``gain``: ratio, and ``integral``: 1/s, see RateLoop."""
+    p, decay, per_trim = YAW_OBSERVER_POLE, 1.0 / torque_lag, 1.0 / (yaw_lag * torque_lag)
     l1 = 3.0 * p - decay
-    return l1, 3.0 * p * p - decay * l1 - wn2, p**3 / wn2
+    return l1, 3.0 * p * p - decay * l1 - per_trim / gain, p**3 / per_trim - integral
 
 
 def correct_with_gyro(
@@ -249,7 +269,7 @@ def correct_with_gyro(
     (p, q, r), (pd, qd, rd), specific_thrust, trim = rate_loop_state
     ip, iq, ir = measured_b[0] - p, measured_b[1] - q, measured_b[2] - r
     h = min(dt, GYRO_STEP_MAX)
-    l1, l2, l3 = yaw_observer(rate_loop.yaw_lag, rate_loop.yaw_torque_lag)
+    l1, l2, l3 = yaw_observer(rate_loop.yaw_lag, rate_loop.yaw_torque_lag, rate_loop.yaw_gain, rate_loop.yaw_integral)
     return RateLoopState(
         (p + near * ip, q + near * iq, r + l1 * h * ir),
         (pd + far * ip, qd + far * iq, rd + l2 * h * ir),

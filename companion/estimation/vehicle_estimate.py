@@ -76,7 +76,9 @@ def begin_estimate(
     hovering = gravity / (max(state.r_nb[8], UPRIGHT_MIN) * motion.estimator.belief.thrust_scale)
     identification = initial_rate_loop_estimate(lag, state.w_b, rate_loop.lag)
     rate_loop_state = RateLoopState(state.w_b, (0.0, 0.0, 0.0), hovering)
-    yaw_loop = initial_yaw_loop_estimate(state.w_b[2], rate_loop.yaw_lag, rate_loop.yaw_torque_lag)
+    yaw_loop = initial_yaw_loop_estimate(
+        state.w_b[2], rate_loop.yaw_lag, rate_loop.yaw_torque_lag, rate_loop.yaw_integral
+    )
     used = _rate_loop_of(identification, round(motor_lag.lag, 3), yaw_loop)
     return VehicleEstimate(motion, rate_loop_state, identification, yaw_loop, used)
 
@@ -159,4 +161,7 @@ def predict_yaw(estimate: VehicleEstimate, commands: Commands, horizon: float) -
 
 def _rate_loop_of(found: RateLoopEstimate, motor_lag: float, yaw_loop: YawLoopEstimate) -> RateLoop:
     roll, pitch = found.lags
-    return RateLoop((round(roll, 3), round(pitch, 3)), motor_lag, round(yaw_loop.lag, 2), round(yaw_loop.torque_lag, 2))
+    return RateLoop(
+        (round(roll, 3), round(pitch, 3)), motor_lag, round(yaw_loop.lag, 2), round(yaw_loop.torque_lag, 2),
+        round(yaw_loop.damping, 1), yaw_loop.integral_rate,
+    )  # fmt: skip

@@ -49,6 +49,7 @@ TUNING: dict[str, str] = {
     "roll_rate_p": "MC_ROLLRATE_P",
     "roll_rate_k": "MC_ROLLRATE_K",
     "yaw_rate_p": "MC_YAWRATE_P",
+    "yaw_rate_i": "MC_YAWRATE_I",
     "yaw_rate_k": "MC_YAWRATE_K",
     "smoothing": "MC_REF_W_N",
     "hover_thrust": "MPC_THR_HOVER",

@@ -9,7 +9,7 @@ from companion.allocation import Allocation
 from companion.calculus import machine_code
 from companion.estimation.body_model import Body
 from companion.estimation.estimator import Prior
-from companion.estimation.rate_loop_model import LAG_MIN, alike
+from companion.estimation.rate_loop_model import LAG_MIN, YAW_INTEGRAL_RATE, alike
 from companion.frames import Heading
 from companion.law.flight import Law
 from companion.law.gains import AUTO_POLE_RANGE, PATH_POLES, Level
@@ -58,13 +58,16 @@ def rate_steering(
     per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE,
     path_pole: float | None = None,
     yaw_lag: float | None = None,
+    yaw_integral: float = YAW_INTEGRAL_RATE,
 ) -> RateSteering:
     """Steering for ``vehicle``. ``yaw_gain``: 1/s, of h4. ``tilt_gain``: 1/s, the law's largest on the tilt.
     ``course``: what lies ahead; None: the speed never yields. ``lag``: s, of its rate loop as last found; None: as its
     file says. ``per_rate``: what rate errors take of the motors' range. ``path_pole``: 1/s, of h1 and h2 where they
-    were chosen; None: they are as written. ``yaw_lag``: s, of its yaw loop as last found; None: a usual one."""
+    were chosen; None: they are as written. ``yaw_lag``: s, of its yaw loop as last found; None: a usual one.
+    ``yaw_integral``: 1/s, of its yaw rate loop."""
     whole = max(vehicle.rate_loop_lag, LAG_MIN) + encoding.smoothing
     rate_loop = alike(whole, vehicle.motor_lag, yaw_lag or usual_yaw_lag(vehicle.rate_loop_lag))
+    rate_loop = rate_loop._replace(yaw_integral=yaw_integral)
     if course is not None:
         recorded_forecast(heading, machine_code.in_use)  # now and not in the first tick along the path
     return RateSteering(

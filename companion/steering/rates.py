@@ -250,8 +250,8 @@ class RateSteering:
         """Yaw compensation: how the vehicle will turn by itself, and how much it can be turned."""
         (p, q, _), (wp, wq, _) = command.turn, predicted.w_b
         most, estimate = self.vehicle.mass * capability.specific_thrust, memory.estimate
-        tilting, late = abs(p - wp) + abs(q - wq), estimate.rate_loop.yaw_torque_lag
-        authority = yaw_authority(memory.zeta, thrust.zeta_dot, most, tilting, self.per_rate, late)
+        tilting = abs(p - wp) + abs(q - wq)
+        authority = yaw_authority(memory.zeta, most, tilting, self.per_rate)
         r, r_dot = predict_yaw(estimate, memory.commands, timing.delay + timing.hold)
         limits = self.vehicle.limits
         fastest = math.inf if limits is None else limits.body_rates[2]

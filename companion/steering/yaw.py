@@ -1,15 +1,16 @@
 """Yaw compensation: the yaw rate to command, as the inverse of the model of the yaw loop with its authority limit.
 
 The yaw loop turns the rate error into torque, which comes later by theta, with a disturbance at its input (its trim,
-observed by the rate loop model):
+observed by the rate loop model); the body's damping takes a part of every rate, so that only G of what is commanded
+stays (see ``rate_loop_model``):
 
-    T (theta r'' + r') = r_cmd + trim - r
+    T (theta r'' + r') = G (r_cmd + trim) - r
 
 PX4's is several times slower than its tilting loops, so the yaw rate that it is to have is planned ahead
 (``steering.yaw_reference``), and a heading beside the planned one is turned out as the law says (h4). So that the rate
 follows, r -> r_d, with error dynamics of poles at -k and -1/theta, what is to be commanded is the inverse of the model:
 
-    r_cmd = r + T a - trim        a = r_d' + k (r_d - (r + theta r')),  |T a| <= authority
+    r_cmd = (r + T a) / G - trim      a = r_d' + k (r_d - (r + theta r'))      |r_cmd + trim - r| <= authority
 
 r and r' are those at the time when the command acts, by prediction; r + theta r' is where the rate ends if nothing more
 is done; r_d and r_d' are theta later. T a is the rate error that the vehicle's own loop turns into torque: motors have
@@ -21,7 +22,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from companion.estimation.rate_loop_model import YAW_LAG, YAW_TORQUE_LAG, RateLoop
+from companion.estimation.rate_loop_model import YAW_INTEGRAL_RATE, YAW_LAG, RateLoop
 from companion.frames import Heading, Matrix3, Vec3, clamped, wrap
 from companion.law.feedback import YAW_RETURN_RATE
 from companion.law.flight import Command
@@ -55,6 +56,8 @@ RANGE_ASKED_MOST = 1.3
 as short as it comes, and its first tenths are smoothed away. Flown on PX4: a figure-eight whose nose turns by 170 deg/s
 came to 1.3 to 1.5, a motor to its limit, the thrust to 0.88 of what was sent, which was taken for a payload. With 1.2 a
 real one was found 4 s late once (bench.payload, seed 10)."""
+YAW_INTEGRAL_MAX = 3.0
+"""1/s: no quicker integral is believed. Engineering choice: its time constant is that of the loop."""
 YAW_AUTHORITY_MIN = 0.05
 """rad/s of yaw rate error that are always left to yaw. Engineering choice."""
 SMOOTHING_TIME = 0.05
@@ -88,6 +91,12 @@ def thrust_per_rate(tuning: Tuning) -> ThrustPerRate:
     tilt = usual.tilt if not p else SHORT_LIVED * p * (k if k is not None else 1.0)
     yaw = usual.yaw if not yaw_p else yaw_p * (yaw_k if yaw_k is not None else 1.0)
     return ThrustPerRate(max(tilt, 0.2 * usual.tilt), max(yaw, 0.2 * usual.yaw))
+
+
+def yaw_integral(tuning: Tuning) -> float:
+    """1/s, the integral of the yaw rate loop over its proportional gain, PX4's usual where a vehicle does not say."""
+    p, i = tuning.yaw_rate_p, tuning.yaw_rate_i
+    return YAW_INTEGRAL_RATE if not p or i is None else clamped(i / p, 0.0, YAW_INTEGRAL_MAX)
 
 
 class WantedYaw(NamedTuple):
@@ -126,25 +135,24 @@ class YawMemory(NamedTuple):
 
 
 class YawLoop(NamedTuple):
-    """The model that is inverted. ``lag``: T, s. ``torque_lag``: theta, s. ``error_rate``: k, 1/s."""
+    """The model that is inverted. ``lag``: T, s. ``torque_lag``: theta, s. ``error_rate``: k, 1/s. ``gain``: G, a
+    ratio."""
 
     lag: float
     torque_lag: float
     error_rate: float
+    gain: float = 1.0
 
 
 def yaw_authority(
-    zeta: float, zeta_dot: float, most: float, tilt_rate_error: float, per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE,
-    torque_lag: float = YAW_TORQUE_LAG,
-) -> float:  # fmt: skip
-    """rad/s of yaw rate error that the motors can turn into torque: what thrust and tilting leave of their range when
-    the torque comes, ``torque_lag`` s later.
+    zeta: float, most: float, tilt_rate_error: float, per_rate: ThrustPerRate = USUAL_THRUST_PER_RATE
+) -> float:
+    """rad/s of yaw rate error that the motors can turn into torque: what thrust and tilting leave of their whole range.
 
-    ``zeta``, ``most``: N, thrust and its largest; ``zeta_dot``: N/s. ``tilt_rate_error``: rad/s, |p| + |q|.
+    ``zeta``, ``most``: N, thrust and its largest. ``tilt_rate_error``: rad/s, |p| + |q|.
     """
-    thrust_used = (zeta + zeta_dot * torque_lag) / most * THRUST_MAX
-    thrust_used += per_rate.tilt * tilt_rate_error
-    return max(YAW_AUTHORITY_MIN, (THRUST_MAX - thrust_used) / per_rate.yaw)
+    used = zeta / most * THRUST_MAX + per_rate.tilt * tilt_rate_error
+    return max(YAW_AUTHORITY_MIN, (1.0 - used) / per_rate.yaw)
 
 
 def range_asked(share: float, rates: Vec3, w_b: Vec3, per_rate: ThrustPerRate) -> float:
@@ -163,7 +171,8 @@ def yaw_loop(rate_loop: RateLoop, lag: float, smoothing: float) -> YawLoop:
     """The loop as found. ``lag``: s, of the tilting rate loops as found, with ``smoothing``: s."""
     yaw_lag = max(rate_loop.yaw_lag, YAW_LAG_MIN)
     ratio = 1.0 + (YAW_ERROR_RATE - 1.0) * (1.0 - smoothing / lag) ** 2
-    return YawLoop(yaw_lag, rate_loop.yaw_torque_lag, min(ratio / yaw_lag, 1.0 / rate_loop.yaw_torque_lag))
+    gain, theta = rate_loop.yaw_gain, rate_loop.yaw_torque_lag
+    return YawLoop(gain * yaw_lag, theta, min(ratio / yaw_lag, 1.0 / theta), gain)
 
 
 def turns_per_heading(r: Matrix3, heading: Heading) -> float:
@@ -198,8 +207,10 @@ def compensate_yaw(
         deviation = known.deviation + min(1.0, dt / SMOOTHING_TIME) * (off - known.deviation)
         forecast = [rate + share * deviation for rate, share in zip(wanted.forecast, FADING, strict=True)]
     planned = known.reference or YawReference(rate=forecast[0])
-    low, high = max(-authority, -most - planned.rate), min(authority, most - planned.rate)
-    drive = YawDrive(loop.lag, loop.torque_lag, counted_on, min(low, 0.0), max(high, 0.0))
+    held = (1.0 - loop.gain) * planned.rate  # of the drive, by the damping
+    low = loop.gain * max(-authority, -most - planned.rate) - held
+    high = loop.gain * min(authority, most - planned.rate) - held
+    drive = YawDrive(loop.lag, loop.torque_lag, loop.gain * counted_on, min(low, 0.0), max(high, 0.0))
     planned = advance_reference(planned, forecast, drive, dt)
     # as at the horizon, where the law has the heading
     error = planned.error + wanted.lead * (planned.rate - rate_at(forecast, 0.5 * wanted.lead))
@@ -214,5 +225,5 @@ def follow_yaw(loop: YawLoop, wanted: float, derivative: float, turning: Turning
     """rad/s, the yaw rate to command: the inverse above. ``wanted``: r_d, rad/s, and ``derivative``: r_d', rad/s^2."""
     r, r_dot, trim, authority, _ = turning
     acceleration = derivative + loop.error_rate * (wanted - (r + loop.torque_lag * r_dot))
-    error = clamped(loop.lag * acceleration, -authority, authority)
+    error = clamped((loop.lag * acceleration + (1.0 - loop.gain) * r) / loop.gain, -authority, authority)
     return r + clamped(error - trim, -authority, authority)

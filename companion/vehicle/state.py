@@ -200,7 +200,8 @@ class Tuning(NamedTuple):
     roll_rate_p: float | None = None  # s/rad, rate error to the part of the motors' range (MC_ROLLRATE_P)
     roll_rate_k: float | None = None  # factor on it (MC_ROLLRATE_K)
     yaw_rate_p: float | None = None  # s/rad (MC_YAWRATE_P)
-    yaw_rate_k: float | None = None  # factor on it (MC_YAWRATE_K)
+    yaw_rate_i: float | None = None  # 1/rad, of its integral (MC_YAWRATE_I)
+    yaw_rate_k: float | None = None  # factor on both (MC_YAWRATE_K)
 
 
 class Home(NamedTuple):

@@ -200,11 +200,10 @@ class TestYaw:
         assert follow_yaw(LOOP, -5.0, 0.0, weak._replace(trim=0.1)) == pytest.approx(-0.1)
 
     def test_thrust_and_tilting_come_first(self) -> None:
-        easy = yaw_authority(5.0, 0.0, 20.0, 0.0)
-        assert yaw_authority(15.0, 0.0, 20.0, 0.0) < easy
-        assert yaw_authority(5.0, 20.0, 20.0, 0.0) < easy
-        assert yaw_authority(5.0, 0.0, 20.0, 2.0) < easy
-        assert yaw_authority(20.0, 0.0, 20.0, 9.0) == YAW_AUTHORITY_MIN
+        easy = yaw_authority(5.0, 20.0, 0.0)
+        assert yaw_authority(15.0, 20.0, 0.0) < easy
+        assert yaw_authority(5.0, 20.0, 2.0) < easy
+        assert yaw_authority(20.0, 20.0, 9.0) == YAW_AUTHORITY_MIN
 
     def test_a_quick_vehicle_is_led_less(self) -> None:
         slow, quick = (yaw_loop(alike(lag, 0.05, usual_yaw_lag(lag)), lag, 0.0) for lag in (0.06, 0.02))

@@ -91,9 +91,12 @@ class TestTheWhole:
     LOOP = YawLoop(lag=0.37, torque_lag=0.12, error_rate=2.5 / 0.37)
 
     def flown(
-        self, wanted: Callable[[float], float], heading: float = 0.0, *, ahead: bool = True, most: float = math.inf
-    ) -> list[float]:
-        """rad: the heading error at every step of 8 ms for 8 s, of a loop with a trim that yaws at ``wanted``."""
+        self, wanted: Callable[[float], float], heading: float = 0.0, *, ahead: bool = True, most: float = math.inf,
+        gain: float = 1.0,
+    ) -> list[float]:  # fmt: skip
+        """rad: the heading error at every step of 8 ms for 8 s, of a loop with a trim that yaws at ``wanted``.
+        ``gain``: of a loop that is damped."""
+        loop = self.LOOP._replace(gain=gain)
         dt, trim, memory = 0.008, 0.2, YawMemory()
         e, r, r_dot, errors = heading, 0.0, 0.0, list[float]()
         for k in range(1000):
@@ -101,11 +104,11 @@ class TestTheWhole:
             coming = forecast(wanted, t) if ahead else None
             there = e + LEAD * (r - wanted(t))
             law = WantedYaw(wanted(t + LEAD), there, 3.0, 1.0, coming, LEAD, chosen=False)
-            commanded, memory = compensate_yaw(memory, self.LOOP, law, Turning(r, r_dot, trim, 2.0, most), dt)
+            commanded, memory = compensate_yaw(memory, loop, law, Turning(r, r_dot, trim, 2.0, most), dt)
             assert abs(commanded) <= most or abs(commanded - r) <= 2.0
-            v = min(max(commanded, -most), most) + trim - r
+            driven = gain * (min(max(commanded, -most), most) + trim)
             for _ in range(8):
-                r_dot += 0.001 * (v / self.LOOP.lag - r_dot) / self.LOOP.torque_lag
+                r_dot += 0.001 * ((driven - r) / loop.lag - r_dot) / loop.torque_lag
                 r += 0.001 * r_dot
                 e += 0.001 * (r - wanted(t))
             errors.append(e)
@@ -124,6 +127,10 @@ class TestTheWhole:
         known, unknown = (max(map(abs, self.flown(bends, ahead=ahead)[500:])) for ahead in (True, False))
         assert known < 0.5 * unknown
         assert known < math.radians(3.0)
+
+    def test_a_damped_loop_is_led_as_well(self) -> None:
+        errors = self.flown(lambda t: 1.2 * math.sin(2.6 * t) ** 5, gain=0.75)
+        assert max(map(abs, errors[500:])) < math.radians(4.0)
 
     def test_a_bend_beyond_the_limit_does_not_wind_it_up(self) -> None:
         errors = self.flown(lambda t: 1.5 if 2.0 < t < 3.0 else 0.0, most=1.0)
