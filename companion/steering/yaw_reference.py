@@ -27,9 +27,10 @@ from typing import NamedTuple
 from companion.frames import clamped
 from companion.steering.yaw_forecast import FORECAST_LENGTH, FORECAST_STEP, Forecast
 
-HEADING_WORTH = math.radians(5.0)
-"""rad of heading error that are worth all the yaw torque there is. Simulated on sih_noisy: 3 to 8 deg make no
-difference at 3 m/s; at 7 m/s, where the torque is short, 3 deg shake the nose by half as much again."""
+HEADING_WORTH = math.radians(4.0)
+"""rad of heading error that are worth all the yaw torque there is. Simulated on sih_noisy: 3.5 to 5 deg make no
+difference up to 5 m/s; at 7 m/s, where the torque is short, 3.5 deg shake the nose by a tenth more, and 5 leave a tenth
+more in still air."""
 TABLE_STEP = 0.005
 """s, in which m is integrated. Engineering choice."""
 GRID = 20.0
