@@ -101,7 +101,9 @@ def trial(
         scale, c = steering.hover_thrust * thrust_max(plant) / plant.vehicle.weight, plant.vehicle.drag
         thrust = truth.thrust / plant.vehicle.mass
         pushed = np.multiply(c, plant.wind_n) + np.multiply(thrust, leaning(truth.q_nb, estimate.state.q_nb))
-        error = errors(estimate.estimator.belief, scale, c, pushed)
+        made = known.rate_loop_state.specific_thrust
+        flown = made / estimate.estimator.thrust_curve.command_for(made, true.gravity)
+        error = errors(estimate.estimator.belief, scale, c, pushed, flown)
         rows.append((truth.t_boot - memory.path.follow_from, *error))
         scales.append(scale)
 
@@ -121,9 +123,14 @@ def thrust_max(plant: Plant) -> float:
     return sum(plant.thrusts_of((a, b, c, d)))
 
 
-def errors(belief: Belief, scale: float, drag: float, pushed: NDArray[np.float64]) -> tuple[float, ...]:
-    """Of scale and drag, relative; of the disturbance (m/s^2, three axes); NEES of the five."""
-    error = np.array([belief.thrust_scale - scale, belief.drag - drag, *np.subtract(belief.disturbance_n, pushed)])
+def errors(
+    belief: Belief, scale: float, drag: float, pushed: NDArray[np.float64], flown: float = 1.0
+) -> tuple[float, ...]:
+    """Of scale and drag, relative; of the disturbance (m/s^2, three axes); NEES of the five. ``flown``: the thrust made
+    over thrust commanded as it is flown, over that of the hover as told: what the thrust curve makes of it."""
+    error = np.array(
+        [flown * belief.thrust_scale - scale, belief.drag - drag, *np.subtract(belief.disturbance_n, pushed)]
+    )
     nees = float(error @ np.linalg.solve(covariance(belief), error))
     return (error[0] / scale, error[1] / drag, *error[2:], nees)
 

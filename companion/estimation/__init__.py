@@ -8,10 +8,12 @@ rate_loop_identification the lag and gain of its rate loop; yaw_loop_identificat
 body_model               what stands between a motor command and what the vehicle does
 angular_damping          how the air damps the turning of the body, found in flight
 kalman, kalman_step      position, velocity, thrust scale, drag, disturbance, and how the reported ones wander
+kalman_update            what a measurement teaches one axis of it
 noise_levels, adaptation how noisy it is, and how that is found
 estimator                what keeps the filter consistent: freezing, noise, resets
 clamps                   the most that is believed of disturbance, thrust scale and drag
 motor_lag                the lag of the motors, found by when thrust shows in the velocity
+thrust_curve             what thrust is beyond proportion to its command, found by how the velocity follows its changes
 scale_change             a thrust scale that changes all at once
 restraint                whether something holds the vehicle
 predictor                a state advanced by a short time, under the commands already sent

@@ -6,7 +6,8 @@ clamp       ||d - LPF(d)|| is clamped: see ``clamps``
 levels      how noisy the measurements are follows from their innovations; how much the vehicle's estimate wanders, and
             how strong the gusts are, from what the filter finds of them (expectation maximisation of a stationary
             process: its variance is the mean of estimate squared plus variance of the estimate)
-lag         the motors' lag is found from the same innovations: see ``motor_lag``
+thrust      the motors' lag and the thrust curve are found from the same innovations: see ``motor_lag``,
+            ``thrust_curve``
 change      where the thrust scale changed all at once (payload, battery) the last second is gone through again
 reset       after a jump of the vehicle's own estimate position, velocity and bias are reset, and their
             cross-covariances zeroed
@@ -17,6 +18,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from companion.calculus.machine_code import unpacked
 from companion.estimation.adaptation import NOISE_FIRST, adapt_noise
 from companion.estimation.clamps import clamp
 from companion.estimation.kalman import (
@@ -40,6 +42,7 @@ from companion.estimation.scale_change import (
     loose_process_noise,
     update_scale_change,
 )
+from companion.estimation.thrust_curve import PROPORTIONAL, ThrustCurve, update_thrust_curve
 from companion.estimation.translation import acceleration
 from companion.frames import Matrix3, Vec3
 
@@ -85,7 +88,7 @@ class EstimatorState(NamedTuple):
     ``disturbance_saturated``: whether the clamp acts. ``unexplained_velocity_n``: m/s that a vehicle that stands still
     should have come to by the forces on it. ``change``: what speaks for a change of the thrust scale. ``past``: the
     steps of the last MEMORY that led here, none since it went through them again or something was reset.
-    ``motor_lag``: of the thrust.
+    ``motor_lag``, ``thrust_curve``: of the thrust.
     """
 
     belief: Belief
@@ -98,6 +101,7 @@ class EstimatorState(NamedTuple):
     change: ScaleChange = STEADY
     past: tuple[PastStep, ...] = ()
     motor_lag: MotorLag = TOLD
+    thrust_curve: ThrustCurve = PROPORTIONAL
 
     @property
     def restrained(self) -> bool:
@@ -116,9 +120,10 @@ class Measurement(NamedTuple):
     """What the vehicle's estimate says, ``dt`` s after the last time.
 
     ``specific_thrust_n``: m/s^2, the mean commanded thrust over mass since then, lagged by the motors, along the thrust
-    axis; ``thrust_by_lag_n``: m/s^3, what that would be more, over s that the motors' lag is more. ``p_n``: m. ``v_n``:
-    m/s. ``limited``: the last command met a limit. ``jumped``: the vehicle says that its estimate was reset.
-    ``moving``: it was told to fly somewhere.
+    axis; ``thrust_by_lag_n``: m/s^3, what that would be more, over s that the motors' lag is more;
+    ``thrust_by_curve_n``: m/s^2, over what the thrust curve is more. ``p_n``: m. ``v_n``: m/s. ``limited``: the last
+    command met a limit. ``jumped``: the vehicle says that its estimate was reset. ``moving``: it was told to fly
+    somewhere.
     """
 
     dt: float
@@ -129,6 +134,7 @@ class Measurement(NamedTuple):
     jumped: bool = False
     moving: bool = False
     thrust_by_lag_n: Vec3 = ZERO
+    thrust_by_curve_n: Vec3 = ZERO
 
 
 class PastStep(NamedTuple):
@@ -140,14 +146,14 @@ class PastStep(NamedTuple):
 
 def initial_estimator_state(
     p_n: Vec3, v_n: Vec3, r_nb: Matrix3, gravity: float, prior: Prior, noise: NoiseLevels = NOISE_FIRST,
-    motor_lag: MotorLag = TOLD,
+    motor_lag: MotorLag = TOLD, thrust_curve: ThrustCurve = PROPORTIONAL,
 ) -> EstimatorState:  # fmt: skip
     """Before the first step. A vehicle that hovers leans into the wind, so that the lean says what the wind does."""
     disturbance_n: Vec3 = (0.0, 0.0, 0.0)
     if math.hypot(*v_n) < HOVER_SPEED_MAX and r_nb[8] > 0.5:
         disturbance_n = (gravity * r_nb[2] / r_nb[8], gravity * r_nb[5] / r_nb[8], 0.0)
     belief = initial_belief(p_n, v_n, disturbance_n, prior.thrust_scale, prior.drag, noise)
-    return EstimatorState(belief, noise, disturbance_n, motor_lag=motor_lag)
+    return EstimatorState(belief, noise, disturbance_n, motor_lag=motor_lag, thrust_curve=thrust_curve)
 
 
 def predict_measurement(belief: Belief, measurement: Measurement, forces: ForceModel) -> tuple[Vec3, Vec3]:
@@ -194,12 +200,12 @@ def _updated(
     known: EstimatorState, measurement: Measurement, gravity: float, noise_of_q: tuple[float, float]
 ) -> EstimatorState:
     """``known`` after another measurement. ``noise_of_q``: 1/s, 1/s^3, process noise of thrust scale and drag."""
-    dt, specific_thrust_n, p_n, v_n, limited, jumped, moving, thrust_by_lag_n = measurement
+    dt, specific_thrust_n, p_n, v_n, limited, jumped, moving, thrust_by_lag_n, thrust_by_curve_n = measurement
     freeze_left = FREEZE_TIME if limited else max(0.0, known.freeze_left - dt)
     learning = freeze_left == 0.0
     belief, innovation = predict_and_update(
         known.belief, dt, specific_thrust_n, gravity, p_n, v_n, known.noise, learning, *noise_of_q,
-        thrust_by_lag_n,
+        thrust_by_lag_n, thrust_by_curve_n,
     )  # fmt: skip
     flight_time = known.flight_time + dt
     unexplained_velocity_n = ZERO
@@ -217,6 +223,11 @@ def _updated(
         change = update_scale_change(known.change, known.belief, belief, noise_of_q, dt)
     else:
         change = fade_scale_change(known.change, dt)
+    motor_lag, thrust_curve = known.motor_lag, known.thrust_curve
+    if learning and known.converged:
+        motor_lag = update_motor_lag(motor_lag, innovation, dt)
+        thrust_curve = update_thrust_curve(thrust_curve, innovation, dt)
+        belief = _with_curve(belief, thrust_curve.slope - known.thrust_curve.slope)
     belief, disturbance_lpf_n, disturbance_saturated = clamp(belief, known.disturbance_lpf_n, dt, flight_time)
     noise = adapt_noise(
         known.noise, belief, innovation, dt,
@@ -234,8 +245,19 @@ def _updated(
         unexplained_velocity_n,
         change,
         _lengthened(known, measurement, flight_time),
-        update_motor_lag(known.motor_lag, innovation, dt) if learning and known.converged else known.motor_lag,
+        motor_lag,
+        thrust_curve,
     )
+
+
+def _with_curve(belief: Belief, more: float) -> Belief:
+    """``belief`` with the thrust scale as it is for a thrust curve of so much ``more``: of all that goes with it, that
+    alone would take its time to come by itself."""
+    if not more:
+        return belief
+    x, by_curve = belief.x, unpacked(belief.by_curve)
+    scale = x[THRUST_SCALE] + by_curve[THRUST_SCALE] * more
+    return belief._replace(x=(*x[:THRUST_SCALE], scale, *x[THRUST_SCALE + 1 :]))
 
 
 def _reset(known: EstimatorState, belief: Belief, flight_time: float, unexplained_velocity_n: Vec3) -> EstimatorState:
@@ -253,7 +275,7 @@ def _lengthened(known: EstimatorState, measurement: Measurement, flight_time: fl
 
 def _is_jump(innovation: Innovation) -> bool:
     """Whether the innovation is that of a jump of the vehicle's own estimate."""
-    residual, variance, _ = innovation
+    residual, variance, _, _ = innovation
     x, y, z, u, v, w = residual
     if _are_near((x, y, z), ZERO, JUMP_POSITION) and _are_near((u, v, w), ZERO, JUMP_VELOCITY):
         return False

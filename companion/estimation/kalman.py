@@ -72,13 +72,15 @@ stationary deviation."""
 class Belief(NamedTuple):
     """``x``: (P, V, U, B, D, W, E) of each axis, k, c. Its covariance in three parts (see ``kalman_step``): ``S``,
     of each axis given k and c, an upper triangle row by row; ``G``, each axis over k and c, row by row; ``T``,
-    of k and c. ``by_lag``: what x would be more, over seconds that the motors' lag is more."""
+    of k and c. ``by_lag``: what x would be more, over seconds that the motors' lag is more; ``by_curve``: over what the
+    thrust curve is more."""
 
     x: tuple[float, ...]
     S: PackedNumbers
     G: PackedNumbers
     T: tuple[float, float, float]
     by_lag: PackedNumbers = (0.0,) * SIZE
+    by_curve: PackedNumbers = (0.0,) * SIZE
 
     @property
     def p_n(self) -> Vec3:
@@ -167,11 +169,13 @@ def variance_of(index: int, S: Sequence[Scalar], G: Sequence[Scalar], T: Sequenc
 
 class Innovation(NamedTuple):
     """``residual``: measured minus predicted position (m) and velocity (m/s) of each axis, one after the other.
-    ``variance``: as predicted. ``by_lag``: what the residual would be more, over s of lag."""
+    ``variance``: as predicted. ``by_lag``: what the residual would be more, over s of lag; ``by_curve``: over the
+    thrust curve."""
 
     residual: tuple[float, ...]
     variance: tuple[float, ...]
     by_lag: tuple[float, ...]
+    by_curve: tuple[float, ...] = (0.0,) * (2 * AXES)
 
 
 def initial_belief(
@@ -197,18 +201,19 @@ def reset_position_velocity(belief: Belief, p_n: Vec3, v_n: Vec3, noise: NoiseLe
     """``belief`` with position and velocity reset to what is reported (m, m/s), their errors to none, and their
     cross-covariances with all else zeroed, as after a jump of the vehicle's own estimate; what is known of the forces
     stays."""
-    x, S, G, by_lag = list(belief.x), *(list(unpacked(part)) for part in (belief.S, belief.G, belief.by_lag))
+    x, T = list(belief.x), belief.T
+    S, G, by_lag, by_curve = (list(unpacked(part)) for part in (belief.S, belief.G, belief.by_lag, belief.by_curve))
     for axis in range(AXES):
         at, first = PER_AXIS * axis, len(UPPER) * axis
         u, b = noise.wander[axis], noise.velocity_error[axis]
         x[at : at + 4] = p_n[axis], v_n[axis], 0.0, 0.0
-        by_lag[at : at + 4] = (0.0,) * 4
+        by_lag[at : at + 4] = by_curve[at : at + 4] = (0.0,) * 4
         G[2 * at : 2 * (at + 4)] = (0.0,) * 8
         for moved, variance in enumerate((PRIOR_POSITION_STD**2, b + noise.velocity, u, b)):
             for other in range(PER_AXIS):
                 S[first + AT[min(moved, other), max(moved, other)]] = variance if other == moved else 0.0
         S[first + AT[VELOCITY, VELOCITY_ERROR]] = -b
-    return Belief(tuple(x), packed(S), packed(G), belief.T, packed(by_lag))
+    return Belief(tuple(x), packed(S), packed(G), T, packed(by_lag), packed(by_curve))
 
 
 def reset_disturbance(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3, noise: NoiseLevels) -> Belief:
@@ -224,14 +229,15 @@ def reset_disturbance(belief: Belief, p_n: Vec3, v_n: Vec3, disturbance_n: Vec3,
 def predict_and_update(
     belief: Belief, dt: float, specific_thrust_n: Vec3, gravity: float, p_n: Vec3, v_n: Vec3,
     noise: NoiseLevels, learning: bool, thrust_scale_q: float = THRUST_SCALE_Q, drag_q: float = DRAG_Q,
-    thrust_by_lag_n: Vec3 = (0.0, 0.0, 0.0),
+    thrust_by_lag_n: Vec3 = (0.0, 0.0, 0.0), thrust_by_curve_n: Vec3 = (0.0, 0.0, 0.0),
 ) -> tuple[Belief, Innovation]:  # fmt: skip
     """``belief`` ``dt`` s later, after a measurement of position (m) and velocity (m/s).
 
     ``specific_thrust_n``: F, m/s^2. ``learning``: False freezes k and c. ``thrust_scale_q``: 1/s, ``drag_q``:
-    1/s^3, process noise of k and of c. ``thrust_by_lag_n``: dF/dL, m/s^3.
+    1/s^3, process noise of k and of c. ``thrust_by_lag_n``: dF/dL, m/s^3; ``thrust_by_curve_n``: dF/db, m/s^2.
     """
-    x, S, G, T, by_lag, residual, variance, residual_by_lag = step_of(learning, machine_code.in_use)(
-        dt, specific_thrust_n, gravity, p_n, v_n, *noise, thrust_scale_q, drag_q, thrust_by_lag_n, *belief
-    )
-    return Belief(x, S, G, T, by_lag), Innovation(residual, variance, residual_by_lag)
+    x, S, G, T, by_lag, by_curve, *seen = step_of(learning, machine_code.in_use)(
+        dt, specific_thrust_n, gravity, p_n, v_n, *noise, thrust_scale_q, drag_q, thrust_by_lag_n, thrust_by_curve_n,
+        *belief,
+    )  # fmt: skip
+    return Belief(x, S, G, T, by_lag, by_curve), Innovation(*seen)

@@ -12,19 +12,20 @@ by that axis alone; what it says of q moves the others through their G, once, at
 the arithmetic of the whole matrix, and the same but for the noise of q: it loosens what an axis knows of q, which is
 exact here, and with it (by under a thousandth in a step) what two axes have in common through q.
 
-By the way it says how the state and the innovations go with the motors' lag L, which is not in it (see ``motor_lag``):
-y = dx/dL goes through the same step, driven by dF/dL in the place of what is measured.
+By the way it says how the state and the innovations go with parameters m of the thrust which are not in it, the motors'
+lag and the thrust curve (see ``motor_lag``, ``thrust_curve``): y = dx/dm goes through the same step, driven by dF/dm in
+the place of what is measured.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
 
 from companion.calculus import machine_code
 from companion.calculus.scalar import Scalar
 from companion.calculus.straight import Function, Packed, Tape
+from companion.estimation.kalman_update import Axis, Matrix, Moved, update, update_frozen
 from companion.estimation.translation import Scalar3, acceleration
 from companion.frames import Vec3
 
@@ -41,6 +42,8 @@ DRAG = THRUST_SCALE + 1
 """Index of the drag in the state. By definition."""
 SIZE = THRUST_SCALE + 2
 """Number of states in all. By definition."""
+PARAMETERS = ("lag", "curve")
+"""The m that the state's sensitivities are told of, in their order. By definition of the model."""
 UPPER = tuple((i, j) for i in range(PER_AXIS) for j in range(i, PER_AXIS))
 """The numbers of S of an axis: an upper triangle, row by row."""
 AT = {pair: index for index, pair in enumerate(UPPER)}
@@ -73,20 +76,6 @@ POSITION_Q_GAIN = 24.0
 second is added to its process noise. Sweep over the worlds of configs/worlds."""
 Rows = dict[int, list[tuple[int, Scalar]]]
 """Rows of an axis's transition that are not the identity's: state -> (state, factor)."""
-Matrix = list[list[Scalar]]
-Moved = tuple[list[Scalar], list[Scalar]]
-"""What k and c have moved by in a step, and that over L."""
-Seen = tuple[Scalar, Scalar, Scalar]
-"""Innovation, its variance, and how it goes with the lag."""
-
-
-class _Axis(NamedTuple):
-    """One axis in the middle of a step: its state, S, G, y = dx/dL. Changed in place."""
-
-    x: list[Scalar]
-    S: Matrix
-    G: Matrix
-    y: list[Scalar]
 
 
 def _record_step(name: str, *, learning: bool) -> Function:
@@ -97,12 +86,13 @@ def _record_step(name: str, *, learning: bool) -> Function:
     noise_p, noise_v = tape.inputs("rp", "rv")
     levels = [tape.tuple_input(*(f"{kind}{axis}" for axis in "xyz")) for kind in ("u", "b", "w")]
     disturbance_q, (heading_error, tilt_error) = tape.tuple_input("qdx", "qdy", "qdz"), tape.inputs("e", "t")
-    (scale_q, drag_q), F_by_lag = tape.inputs("qk", "qc"), tape.tuple_input("flx", "fly", "flz")
+    scale_q, drag_q = tape.inputs("qk", "qc")
+    F_by_m = [tape.tuple_input(*(f"f{m}{axis}" for axis in "xyz")) for m in PARAMETERS]
     *states, (scale, c) = _inputs(tape, "x", SIZE, PER_AXIS)
     upper = _inputs(tape, "s", AXES * len(UPPER), len(UPPER), packed=True)
     slopes = _inputs(tape, "g", 2 * AXES * PER_AXIS, 2 * PER_AXIS, packed=True)
     tkk, tkc, tcc = tape.tuple_input("tkk", "tkc", "tcc")
-    *by_lag, (scale_by_lag, c_by_lag) = _inputs(tape, "y", SIZE, PER_AXIS, packed=True)
+    by_m = [tape.tuple_input(*(f"y{m}{i}" for i in range(SIZE)), packed=True) for m in PARAMETERS]
     T: Matrix = [[tkk, tkc], [tkc, tcc]]
     Q = (scale_q * dt, drag_q * dt)
     across: tuple[Scalar, ...] = (F[1] * -1.0, F[0], 0.0)  # e3 x F, by which E turns it
@@ -114,7 +104,7 @@ def _record_step(name: str, *, learning: bool) -> Function:
     # what a tilt error makes of a thrust that leans is vertical
     lifting = (F[0] * F[0] + F[1] * F[1]) * tilt_error * (2.0 / DISTURBANCE_TIME[AXES - 1])
     axes = []
-    for axis, (x, S, G, y) in enumerate(zip(states, upper, slopes, by_lag, strict=True)):
+    for axis, (x, S, G) in enumerate(zip(states, upper, slopes, strict=True)):
         u, b, w = (level[axis] for level in levels)
         noises = (
             POSITION_Q + (noise_p - POSITION_R_MIN) * POSITION_Q_GAIN, VELOCITY_Q, u * (2.0 / WANDER_TIME),
@@ -122,28 +112,28 @@ def _record_step(name: str, *, learning: bool) -> Function:
             w * (2.0 / GUST_TIME), heading_error * (2.0 / HEADING_ERROR_TIME),
         )  # fmt: skip
         rows, by_q = _transition(axis, dt, c, scale * across[axis]), (f[axis], x[VELOCITY])
-        a_by_lag = (by_q[0] * scale_by_lag + by_q[1] * c_by_lag + scale * F_by_lag[axis]) * -1.0
-        known = _predict(_as_axis(x, S, G, y), rows, dt, (accelerations[axis], a_by_lag), by_q)
+        a_by_m = [_driven(by_q, y, scale * F_by[axis]) for y, F_by in zip(by_m, F_by_m, strict=True)]
+        y = [column[PER_AXIS * axis : PER_AXIS * (axis + 1)] for column in by_m]
+        known = _predict(_as_axis(x, S, G, y), rows, dt, accelerations[axis], a_by_m, by_q)
         for i, noise in enumerate(noises):
             known.S[i][i] = known.S[i][i] + noise * dt
         axes.append(_loosen(known, T, Q) if learning else known)
     if learning:
         T = [[tkk + Q[0], tkc], [tkc, tcc + Q[1]]]
-    moved: Moved = [0.0, 0.0], [0.0, 0.0]
-    update = _update if learning else _update_frozen
-    positions = [update(known, T, moved, (POSITION,), measured[i], noise_p) for i, known in enumerate(axes)]
+    moved: Moved = [[0.0, 0.0] for _ in range(1 + len(PARAMETERS))]
+    take = update if learning else update_frozen
+    positions = [take(known, T, moved, (POSITION,), measured[i], noise_p) for i, known in enumerate(axes)]
     both = (VELOCITY, VELOCITY_ERROR)
-    velocities = [update(known, T, moved, both, measured[AXES + i], noise_v) for i, known in enumerate(axes)]
-    (by_k, by_c), (y_by_k, y_by_c) = moved
+    velocities = [take(known, T, moved, both, measured[AXES + i], noise_v) for i, known in enumerate(axes)]
+    (by_k, by_c), *y_by_q = moved
     x = [value + (k * by_k + d * by_c) for known in axes for value, (k, d) in zip(known.x, known.G, strict=True)]
-    y = [value + (k * y_by_k + d * y_by_c) for known in axes for value, (k, d) in zip(known.y, known.G, strict=True)]
     return machine_code.function_of(tape, name, [
         [*x, scale + by_k, c + by_c],
         Packed(known.S[i][j] for known in axes for i, j in UPPER),
         Packed(slope for known in axes for row in known.G for slope in row),
         [T[0][0], T[0][1], T[1][1]],
-        Packed((*y, scale_by_lag + y_by_k, c_by_lag + y_by_c)),
-        *([each[kind] for each in (*positions, *velocities)] for kind in range(3)),
+        *(Packed(_column(axes, m, by_m[m][THRUST_SCALE:], by)) for m, by in enumerate(y_by_q)),
+        *([each[kind] for each in (*positions, *velocities)] for kind in range(2 + len(PARAMETERS))),
     ])  # fmt: skip
 
 
@@ -159,9 +149,23 @@ def _each(states: Sequence[Sequence[Scalar]], kind: int) -> Scalar3:
     return x, y, z
 
 
-def _as_axis(x: Sequence[Scalar], upper: Sequence[Scalar], slopes: Sequence[Scalar], y: Sequence[Scalar]) -> _Axis:
+def _driven(by_q: tuple[Scalar, Scalar], y: Sequence[Scalar], by_thrust: Scalar) -> Scalar:
+    """The acceleration of an axis over a parameter: by q, which goes with it as ``y`` says, and by the thrust."""
+    return (by_q[0] * y[THRUST_SCALE] + by_q[1] * y[DRAG] + by_thrust) * -1.0
+
+
+def _column(axes: list[Axis], m: int, of_q: Sequence[Scalar], moved: list[Scalar]) -> list[Scalar]:
+    """The sensitivity of the whole state to parameter ``m``. ``of_q``: of q before the step, which has ``moved``."""
+    (by_k, by_c), (k, c) = moved, of_q
+    axis = [value + (g * by_k + d * by_c) for each in axes for value, (g, d) in zip(each.y[m], each.G, strict=True)]
+    return [*axis, k + by_k, c + by_c]
+
+
+def _as_axis(
+    x: Sequence[Scalar], upper: Sequence[Scalar], slopes: Sequence[Scalar], y: Sequence[Sequence[Scalar]]
+) -> Axis:
     S = [[upper[AT[min(i, j), max(i, j)]] for j in range(PER_AXIS)] for i in range(PER_AXIS)]
-    return _Axis(list(x), S, [list(slopes[2 * i : 2 * i + 2]) for i in range(PER_AXIS)], list(y))
+    return Axis(list(x), S, [list(slopes[2 * i : 2 * i + 2]) for i in range(PER_AXIS)], list(map(list, y)))
 
 
 def _transition(axis: int, dt: Scalar, c: Scalar, across: Scalar) -> Rows:
@@ -181,12 +185,11 @@ def _transition(axis: int, dt: Scalar, c: Scalar, across: Scalar) -> Rows:
 
 
 def _predict(
-    known: _Axis, rows: Rows, dt: Scalar, accelerations: tuple[Scalar, Scalar], by_q: tuple[Scalar, Scalar]
-) -> _Axis:
-    """``dt`` s later: the state, P to second order; A S A^T; A G + B; A y + b. ``accelerations``: m/s^2, and what they
-    are more for a lag of more, m/s^3; ``by_q``: what k and c take from the first, each over its unit."""
+    known: Axis, rows: Rows, dt: Scalar, a: Scalar, a_by_m: Sequence[Scalar], by_q: tuple[Scalar, Scalar]
+) -> Axis:
+    """``dt`` s later: the state, P to second order; A S A^T; A G + B; A y + b. ``a``: m/s^2; ``a_by_m``: that over each
+    of m; ``by_q``: what k and c take from it, each over its unit."""
     x, S, G, y = known
-    a, a_by_lag = accelerations
     later = [x[i] * rows[i][0][1] if i in rows else x[i] for i in range(PER_AXIS)]
     later[POSITION] = x[POSITION] + dt * (x[VELOCITY] + x[WANDER]) + (dt * dt * 0.5) * a
     later[VELOCITY] = x[VELOCITY] + dt * a
@@ -196,9 +199,10 @@ def _predict(
         spread[i][j] = spread[j][i] = _combined(rows, j, half[i])
     slopes = [[_combined(rows, i, [row[k] for row in G]) for k in (0, 1)] for i in range(PER_AXIS)]
     slopes[VELOCITY] = [slope - dt * by for slope, by in zip(slopes[VELOCITY], by_q, strict=True)]
-    by_lag = [_combined(rows, i, y) for i in range(PER_AXIS)]
-    by_lag[VELOCITY] = by_lag[VELOCITY] + dt * a_by_lag
-    return _Axis(later, spread, slopes, by_lag)
+    by_m = [[_combined(rows, i, column) for i in range(PER_AXIS)] for column in y]
+    for column, a_by in zip(by_m, a_by_m, strict=True):
+        column[VELOCITY] = column[VELOCITY] + dt * a_by
+    return Axis(later, spread, slopes, by_m)
 
 
 def _combined(rows: Rows, i: int, of: list[Scalar]) -> Scalar:
@@ -211,7 +215,7 @@ def _combined(rows: Rows, i: int, of: list[Scalar]) -> Scalar:
     return total
 
 
-def _loosen(known: _Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> _Axis:
+def _loosen(known: Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> Axis:
     """Once q has moved by noise of the variances ``Q``: what of the axis went with q before goes less with it now,
 
     G' = G M,  S' = S + G M Q G^T,  M = T (T + Q)^-1, so that S + G T G^T and G T stay what they were."""
@@ -225,74 +229,13 @@ def _loosen(known: _Axis, T: Matrix, Q: tuple[Scalar, Scalar]) -> _Axis:
     slopes = [[k * M[0][0] + c * M[1][0], k * M[0][1] + c * M[1][1]] for k, c in G]
     for i, j in UPPER:
         S[i][j] = S[j][i] = S[i][j] + (slopes[i][0] * Q[0] * G[j][0] + slopes[i][1] * Q[1] * G[j][1])
-    return _Axis(x, S, slopes, y)
-
-
-def _update(known: _Axis, T: Matrix, moved: Moved, states: tuple[int, ...], measured: Scalar, noise: Scalar) -> Seen:
-    """Innovation and variance of a measurement of the sum of ``states``; the axis, ``T`` and what q has ``moved`` by in
-    this step are changed in place. The axis learns what it does given q, and q the rest."""
-    x, S, G, y = known
-    cross, slope, variance = _seen(known, states, noise)
-    apart, apart_by_lag = measured - _sum(x, states), _sum(y, states) * -1.0
-    inverse = 1.0 / variance
-    gains = [value * inverse for value in cross]
-    for i, j in UPPER:
-        S[i][j] = S[j][i] = S[i][j] - gains[i] * cross[j]
-    for i, gain in enumerate(gains):
-        x[i], y[i] = x[i] + gain * apart, y[i] + gain * apart_by_lag
-        G[i] = [G[i][0] - gain * slope[0], G[i][1] - gain * slope[1]]
-    by_q = [T[0][0] * slope[0] + T[0][1] * slope[1], T[1][0] * slope[0] + T[1][1] * slope[1]]
-    whole = variance + (slope[0] * by_q[0] + slope[1] * by_q[1])
-    residual, by_lag = (
-        value - (slope[0] * by[0] + slope[1] * by[1]) for value, by in zip((apart, apart_by_lag), moved, strict=True)
-    )
-    inverse = 1.0 / whole
-    gain_k, gain_c = by_q[0] * inverse, by_q[1] * inverse
-    for by, value in zip(moved, (residual, by_lag), strict=True):
-        by[:] = by[0] + gain_k * value, by[1] + gain_c * value
-    crossed = T[0][1] - gain_k * by_q[1]
-    T[:] = [T[0][0] - gain_k * by_q[0], crossed], [crossed, T[1][1] - gain_c * by_q[1]]
-    return residual, whole, by_lag
-
-
-def _update_frozen(
-    known: _Axis, T: Matrix, moved: Moved, states: tuple[int, ...], measured: Scalar, noise: Scalar
-) -> Seen:
-    """The same where q stays as it is, though not known: Joseph's form, with the gain of the axis as a whole."""
-    x, S, G, y = known
-    cross, slope, variance = _seen(known, states, noise)
-    by_q = [T[0][0] * slope[0] + T[0][1] * slope[1], T[1][0] * slope[0] + T[1][1] * slope[1]]
-    whole = variance + (slope[0] * by_q[0] + slope[1] * by_q[1])
-    residual, by_lag = measured - _sum(x, states), _sum(y, states) * -1.0
-    inverse = 1.0 / whole
-    gains = [(value + (k * by_q[0] + c * by_q[1])) * inverse for value, (k, c) in zip(cross, G, strict=True)]
-    half = [value - gain * (variance * 0.5) for value, gain in zip(cross, gains, strict=True)]
-    for i, j in UPPER:
-        S[i][j] = S[j][i] = S[i][j] - (gains[i] * half[j] + half[i] * gains[j])
-    for i, gain in enumerate(gains):
-        x[i], y[i] = x[i] + gain * residual, y[i] + gain * by_lag
-        G[i] = [G[i][0] - gain * slope[0], G[i][1] - gain * slope[1]]
-    return residual, whole, by_lag
-
-
-def _seen(known: _Axis, states: tuple[int, ...], noise: Scalar) -> tuple[list[Scalar], tuple[Scalar, Scalar], Scalar]:
-    """Of the sum of ``states``, given q: its covariance with each state, its slope by q, its variance as measured."""
-    cross = [_sum(row, states) for row in known.S]
-    slope = (_sum([row[0] for row in known.G], states), _sum([row[1] for row in known.G], states))
-    return cross, slope, noise + _sum(cross, states)
-
-
-def _sum(values: list[Scalar], states: tuple[int, ...]) -> Scalar:
-    total: Scalar = 0.0
-    for state in states:
-        total = total + values[state]
-    return total
+    return Axis(x, S, slopes, y)
 
 
 @lru_cache(maxsize=4)
 def step_of(learning: bool, in_machine_code: bool) -> Function:
-    """(dt, F, g, p_n, v_n, *NoiseLevels, noise of k and c, dF/dL, *Belief) -> (*Belief, innovations, variances, how
-    they go with L). ``learning``: False freezes k and c. ``in_machine_code``: whether that is in use."""
+    """(dt, F, g, p_n, v_n, *NoiseLevels, noise of k and c, dF/dm, *Belief) -> (*Belief, innovations, variances, how
+    they go with m). ``learning``: False freezes k and c. ``in_machine_code``: whether that is in use."""
     return _record_step("kalman" if learning else "kalman_frozen", learning=learning)
 
 

@@ -26,6 +26,7 @@ from companion.estimation.estimator import (
 from companion.estimation.kalman_step import DRAG, THRUST_SCALE
 from companion.estimation.motor_lag import TOLD, MotorLag
 from companion.estimation.predictor import ForceModel
+from companion.estimation.thrust_curve import PROPORTIONAL, ThrustCurve
 from companion.frames import Vec3
 from companion.vehicle import VehicleState
 
@@ -51,9 +52,14 @@ class MotionEstimate(NamedTuple):
         return self.forces.gravity
 
 
-def begin_motion(state: VehicleState, prior: Prior, gravity: float, motor_lag: MotorLag = TOLD) -> MotionEstimate:
+def begin_motion(
+    state: VehicleState, prior: Prior, gravity: float, motor_lag: MotorLag = TOLD,
+    thrust_curve: ThrustCurve = PROPORTIONAL,
+) -> MotionEstimate:  # fmt: skip
     """Hovering, as far as anybody knows."""
-    estimator = initial_estimator_state(state.p_n, state.v_n, state.r_nb, gravity, prior, motor_lag=motor_lag)
+    estimator = initial_estimator_state(
+        state.p_n, state.v_n, state.r_nb, gravity, prior, motor_lag=motor_lag, thrust_curve=thrust_curve
+    )
     return motion_of(state, estimator, gravity, ZERO)
 
 
@@ -78,8 +84,9 @@ def advance_motion(
     before = estimate.state
     # the thrust axis, a mean of both ends
     (ox, oy, oz), (x, y, z) = before.z_axis_n, state.z_axis_n
-    half, by_lag = 0.5 * specific_thrust, 0.5 * thrust_by_lag
-    specific_thrust_n = (half * (ox + x), half * (oy + y), half * (oz + z))
+    ax, ay, az = 0.5 * (ox + x), 0.5 * (oy + y), 0.5 * (oz + z)
+    by_curve = estimate.estimator.thrust_curve.by_slope(specific_thrust, estimate.gravity)
+    specific_thrust_n = (specific_thrust * ax, specific_thrust * ay, specific_thrust * az)
     measurement = Measurement(
         state.t_boot - before.t_boot,
         specific_thrust_n,
@@ -88,7 +95,8 @@ def advance_motion(
         limited,
         state.resets != before.resets,
         moving,
-        (by_lag * (ox + x), by_lag * (oy + y), by_lag * (oz + z)),
+        (thrust_by_lag * ax, thrust_by_lag * ay, thrust_by_lag * az),
+        (by_curve * ax, by_curve * ay, by_curve * az),
     )
     estimator, forces = estimate.estimator, estimate.forces
     if estimate.pending is not None:
@@ -111,6 +119,7 @@ def _together(first: Measurement, last: Measurement) -> Measurement:
         first.jumped or last.jumped,
         last.moving,
         _between(last.thrust_by_lag_n, first.thrust_by_lag_n, share),
+        _between(last.thrust_by_curve_n, first.thrust_by_curve_n, share),
     )
 
 

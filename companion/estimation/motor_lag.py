@@ -52,17 +52,24 @@ def told_motor_lag(lag: float) -> MotorLag:
 
 def update_motor_lag(known: MotorLag, innovation: Innovation, dt: float) -> MotorLag:
     """``known`` after an ``innovation``, ``dt`` s later."""
-    lag, variance = known
-    if variance == 0.0:
+    if known.variance == 0.0:
         return known
-    variance += MOTOR_LAG_Q * dt
-    residuals, variances, by_lag = innovation
-    for axis in range(AXES, 2 * AXES):  # of the velocities
-        residual, expected, slope = residuals[axis], variances[axis], by_lag[axis]
-        if residual * residual < INNOVATION_SIGMAS * INNOVATION_SIGMAS * expected:
-            gain = -variance * slope / (expected + slope * slope * variance)
-            lag, variance = lag + gain * residual, (1.0 + gain * slope) * variance
+    lag, variance = corrected(known.lag, known.variance + MOTOR_LAG_Q * dt, innovation, innovation.by_lag)
     return MotorLag(clamped(lag, *MOTOR_LAG_RANGE), variance)
+
+
+def corrected(
+    value: float, variance: float, innovation: Innovation, slopes: tuple[float, ...], correlation: float = 1.0
+) -> tuple[float, float]:
+    """A parameter of the thrust and its variance after an ``innovation``. ``slopes``: what that would be more over what
+    the parameter is more. ``correlation``: number of innovations that tell as much as an independent one."""
+    residuals, variances, _, _ = innovation
+    for axis in range(AXES, 2 * AXES):  # of the velocities
+        residual, expected, slope = residuals[axis], variances[axis], slopes[axis]
+        if residual * residual < INNOVATION_SIGMAS * INNOVATION_SIGMAS * expected:
+            gain = -variance * slope / (correlation * expected + slope * slope * variance)
+            value, variance = value + gain * residual, (1.0 + gain * slope) * variance
+    return value, variance
 
 
 def propagate_by_lag(

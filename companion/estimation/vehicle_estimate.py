@@ -34,6 +34,7 @@ from companion.estimation.rate_loop_model import (
     propagate,
     propagate_yaw,
 )
+from companion.estimation.thrust_curve import UNKNOWN, ThrustCurve
 from companion.estimation.yaw_loop_identification import (
     YawLoopEstimate,
     initial_yaw_loop_estimate,
@@ -67,12 +68,12 @@ class VehicleEstimate(NamedTuple):
 
 def begin_estimate(
     state: VehicleState, prior: Prior, gravity: float, rate_loop: RateLoop, lag: float,
-    motor_lag: MotorLag | None = None,
+    motor_lag: MotorLag | None = None, thrust_curve: ThrustCurve = UNKNOWN,
 ) -> VehicleEstimate:  # fmt: skip
-    """Hovering, as far as anybody knows. ``rate_loop``: as told; ``lag``: s, as last found; ``motor_lag``: as found
-    before."""
+    """Hovering, as far as anybody knows. ``rate_loop``: as told; ``lag``: s, as last found; ``motor_lag``,
+    ``thrust_curve``: as found before."""
     motor_lag = motor_lag or told_motor_lag(rate_loop.motor_lag)
-    motion = begin_motion(state, prior, gravity, motor_lag)
+    motion = begin_motion(state, prior, gravity, motor_lag, thrust_curve)
     hovering = gravity / (max(state.r_nb[8], UPRIGHT_MIN) * motion.estimator.belief.thrust_scale)
     identification = initial_rate_loop_estimate(lag, state.w_b, rate_loop.lag)
     rate_loop_state = RateLoopState(state.w_b, (0.0, 0.0, 0.0), hovering)
@@ -86,9 +87,9 @@ def begin_estimate(
 def restart_estimate(estimate: VehicleEstimate, state: VehicleState) -> VehicleEstimate:
     """A beginning at ``state`` that keeps what was learned of the vehicle."""
     rate_loop = estimate.rate_loop
-    motion = estimate.motion
+    motion, found = estimate.motion, estimate.motion.estimator
     again = begin_estimate(
-        state, known_prior(motion), motion.gravity, rate_loop, rate_loop.lag, motion.estimator.motor_lag
+        state, known_prior(motion), motion.gravity, rate_loop, rate_loop.lag, found.motor_lag, found.thrust_curve
     )
     return again._replace(
         identification=reset(estimate.identification, state.w_b),

@@ -160,7 +160,7 @@ def row(observation: Observation, memory: Memory, outcome: Outcome, now: float, 
 
 def _found(estimates: Estimates | None) -> Row:
     if estimates is None:
-        return (math.nan,) * 13
+        return (math.nan,) * 15
     scale, drag, disturbance, bias, delay, *rest = estimates
     return (scale, drag, *disturbance, *bias, delay, *rest)
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.plan import Plan
+from companion.plan import HOVER_THRUST, Plan
 from companion.record.events import flight_events
-from companion.record.final_estimates import estimate_sentences, final_estimates
+from companion.record.final_estimates import curve_sentences, estimate_sentences, final_estimates
 from companion.record.series import FOLLOW, PHASES, followed_series, stretches, true_series
 from companion.record.table import Table
 from companion.vehicle import OutputLevel
@@ -56,7 +56,12 @@ def summary(
     result["version"] = __version__
     result["simulation"] = simulation
     result["events"] = [each.document for each in flight_events(estimated, table, simulation)]
-    result["notes"] = _notes(estimated, plan) + estimate_sentences(result["found"], plan.vehicle)
+    hover = plan.tuning.hover_thrust or plan.vehicle.hover_thrust or HOVER_THRUST
+    result["notes"] = [
+        *_notes(estimated, plan),
+        *estimate_sentences(result["found"], plan.vehicle),
+        *curve_sentences(result["found"], plan.tuning.thrust_curve, hover),
+    ]
     result["record"] = record
     return result
 

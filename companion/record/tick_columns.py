@@ -83,6 +83,10 @@ LAW_COLUMNS = (
     Column("yaw_lag", "f", "s, found: of the yaw rate loop"),
     Column("path_pole", "f", "1/s, of h1 and h2, where it was chosen and not written"),
     Column("motor_lag", "f", "s, found: of the motors; NaN at motors and torques"),
+    Column(
+        "thrust_curve", "f", "found: slope of the thrust beyond proportion to its command; NaN at motors and torques"
+    ),
+    Column("thrust_curve_std", "f", "of it"),
     Column("latency", "f", "s from the arrival of the state to the return of the setpoint's send"),
 )
 

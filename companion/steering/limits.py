@@ -1,7 +1,8 @@
 """Limits: body rates and thrust within what the vehicle may be asked for, and the anti-windup that follows from them.
 
 Thrust goes out normalised, hover_thrust at one g. PX4 makes it linear in the force by its own THR_MDL_FAC before it
-reaches the motors, and MPC_THR_HOVER counts in the same units, so nothing is to be inverted here.
+reaches the motors, and MPC_THR_HOVER counts in the same units. What that leaves of a curve is found in flight
+(``estimation.thrust_curve``) and inverted here: on this side of the encoding thrust is linear in the command.
 """
 
 from __future__ import annotations
@@ -9,10 +10,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from companion.estimation.thrust_curve import PROPORTIONAL, ThrustCurve
 from companion.frames import Matrix3, Vec3, clamped, upright_error
 from companion.law.errors import LawError
 from companion.thrust_range import Bound, ThrustRange
-from companion.vehicle import Limits
+from companion.vehicle import GRAVITY, Limits
 
 TILT_RATE_MAX = 4.0
 """rad/s of roll and pitch rate. PX4's default MC_ROLLRATE_MAX is 3.8."""
@@ -67,11 +69,28 @@ def limit_rates(turn: Vec3, gains: tuple[float, float], limits: Limits | None) -
 
 class ThrustConversion(NamedTuple):
     """From a thrust in N to what is sent. ``mass``: kg. ``scale``: thrust made over thrust commanded. ``per_specific``:
-    s^2/m, normalised thrust over commanded thrust over mass (hover thrust over gravity)."""
+    s^2/m, normalised thrust over commanded thrust over mass (hover thrust over gravity). ``curve``: what is made of a
+    command that is not proportional to it, at ``gravity`` (m/s^2)."""
 
     mass: float
     scale: float
     per_specific: float
+    gravity: float = GRAVITY
+    curve: ThrustCurve = PROPORTIONAL
+
+    @property
+    def hover(self) -> float:
+        """Normalised thrust of a hover. Whatever has failed, it is a number: as told where nothing else is known."""
+        found = self.encoded(self.gravity / self.scale)
+        return found if math.isfinite(found) else self.gravity * self.per_specific
+
+    def encoded(self, specific: float) -> float:
+        """Normalised, for a commanded thrust over mass (m/s^2) that is linear in the lift."""
+        return self.curve.command_for(specific, self.gravity) * self.per_specific
+
+    def specific(self, normalised: float) -> float:
+        """m/s^2, of the same."""
+        return self.curve.made_of(normalised / self.per_specific, self.gravity)
 
 
 def limit_thrust(
@@ -88,11 +107,11 @@ def limit_thrust(
     """
     later, zeta_dot, bound = range_.integrated(zeta, zeta_derivative, dt, min(range_.high, most))
     newtons_per_specific = conversion.mass * conversion.scale
-    wanted = (zeta + zeta_dot * after_horizon) / newtons_per_specific * conversion.per_specific
+    wanted = conversion.encoded((zeta + zeta_dot * after_horizon) / newtons_per_specific)
     if not math.isfinite(wanted + later):
         raise LawError(f"the thrust is not finite: {wanted}")
     sent = clamp_thrust(wanted)
-    specific = sent / conversion.per_specific
+    specific = conversion.specific(sent)
     saturated = bound is Bound.LEVEL or sent != wanted
     return LimitedThrust(
         later, zeta_dot, sent, specific, specific * newtons_per_specific, saturated, bound is Bound.SLEW

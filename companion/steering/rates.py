@@ -159,9 +159,7 @@ class RateSteering:
         """See Steering."""
         thrust, q_nb = self.hover_thrust, UPRIGHT
         if memory is not None:
-            scale = memory.estimate.motion.forces.thrust_scale
-            thrust /= scale if math.isfinite(scale) else 1.0  # whatever has failed: the hover thrust is a number
-            q_nb = memory.estimate.motion.state.q_nb
+            thrust, q_nb = self._conversion(memory).hover, memory.estimate.motion.state.q_nb
         if state is not None:
             q_nb = state.q_nb
         rates = (0.0, 0.0, 0.0) if state is None else levelling_rates(state.r_nb)
@@ -198,9 +196,8 @@ class RateSteering:
         return Timing(memory.delay, 0.5 * dt, memory.estimate.rate_loop.lag, self.encoding.smoothing)
 
     def _capability(self, memory: RateMemory) -> Capability:
-        forces = memory.estimate.motion.forces
-        most = THRUST_MAX * forces.thrust_scale * forces.gravity / self.hover_thrust
-        return capability_of(forces, most, self.tan_tilt_max)
+        forces, conversion = memory.estimate.motion.forces, self._conversion(memory)
+        return capability_of(forces, conversion.scale * conversion.specific(THRUST_MAX), self.tan_tilt_max)
 
     def _flying(self, memory: RateMemory, predicted: PredictedState, aim: Aim) -> Flying:
         """The predicted state as the law takes it."""
@@ -225,11 +222,14 @@ class RateSteering:
         """Limits, thrust: it answers sooner than the rates do."""
         # zeta is that of the horizon as this step begins; the command is held for the step, whose middle is meant
         after_horizon = timing.hold - (timing.lag - memory.estimate.rate_loop.motor_lag)
-        conversion = ThrustConversion(
-            self.vehicle.mass, memory.estimate.motion.forces.thrust_scale, self.hover_thrust / capability.gravity
-        )
         most = capability.specific_thrust * self.vehicle.mass
+        conversion = self._conversion(memory)
         return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, after_horizon, conversion)
+
+    def _conversion(self, memory: RateMemory) -> ThrustConversion:
+        motion = memory.estimate.motion
+        scale, gravity, curve = motion.forces.thrust_scale, motion.gravity, motion.estimator.thrust_curve
+        return ThrustConversion(self.vehicle.mass, scale, self.hover_thrust / gravity, gravity, curve)
 
     def _wanted_yaw(
         self, command: Command, flying: Flying, aim: Aim, capability: Capability, timing: Timing

@@ -16,6 +16,7 @@ from companion.estimation.motion_estimate import MotionEstimate
 from companion.estimation.motor_lag import TOLD
 from companion.estimation.predictor import ForceModel
 from companion.estimation.rate_loop_identification import GAP_MAX as IDENTIFICATION_GAP_MAX
+from companion.estimation.thrust_curve import PROPORTIONAL
 from companion.law.flight import Command, Flying, Law
 from companion.law.hold import HoldLaw
 from companion.law.speed_scale import UNITY, SpeedScale
@@ -72,11 +73,19 @@ def estimates_of(
 ) -> Estimates:
     """For the record. ``delay``: s, the dead time. ``lag``: s, of the rate loop; NaN without one. ``yaw_lag``,
     ``path_pole``: see Estimates."""
-    belief, motor_lag = motion.estimator.belief, motion.estimator.motor_lag
+    belief, motor_lag, curve = motion.estimator.belief, motion.estimator.motor_lag, motion.estimator.thrust_curve
+    of_curve = (math.nan, math.nan) if curve == PROPORTIONAL else (curve.slope, math.sqrt(curve.variance))
     return Estimates(
-        belief.thrust_scale, belief.drag, belief.disturbance_n, belief.bias_n, delay, lag, yaw_lag, path_pole,
-        math.nan if motor_lag == TOLD else motor_lag.lag,
+        hover_scale(motion), belief.drag, belief.disturbance_n, belief.bias_n, delay, lag, yaw_lag, path_pole,
+        math.nan if motor_lag == TOLD else motor_lag.lag, *of_curve,
     )  # fmt: skip
+
+
+def hover_scale(motion: MotionEstimate) -> float:
+    """Thrust made over thrust commanded in a hover: the thrust scale where the command is not that of a hover as told,
+    and the thrust curve makes a difference."""
+    estimator, gravity = motion.estimator, motion.gravity
+    return gravity / estimator.thrust_curve.command_for(gravity / estimator.belief.thrust_scale, gravity)
 
 
 def learned_of(motion: MotionEstimate, hover_thrust: float, rate_lag: float) -> Learned | None:
@@ -86,6 +95,6 @@ def learned_of(motion: MotionEstimate, hover_thrust: float, rate_lag: float) -> 
     if estimator.flight_time < FLIGHT_TIME_MIN or not estimator.converged:
         return None
     belief = estimator.belief
-    hover = hover_thrust / belief.thrust_scale
+    hover = hover_thrust / hover_scale(motion)
     scale_std = math.sqrt(belief.variance(THRUST_SCALE)) / belief.thrust_scale
     return Learned(hover, belief.drag, rate_lag, 0.0, hover * scale_std, math.sqrt(belief.variance(DRAG)))

@@ -44,6 +44,8 @@ class Estimates(NamedTuple):
     yaw_lag: float = math.nan  # s
     path_pole: float = math.nan  # 1/s, of h1 and h2, where it was chosen and not written
     motor_lag: float = math.nan  # s, where it is looked for
+    thrust_curve: float = math.nan  # slope of the thrust beyond proportion to its command, where it is looked for
+    thrust_curve_std: float = math.nan  # of it
 
 
 class Steered(NamedTuple):

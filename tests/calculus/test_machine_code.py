@@ -159,14 +159,14 @@ def test_without_llvmlite_everything_stays_python(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize("learning", [True, False])
 def test_the_step_of_the_filter_is_the_same(learning: bool) -> None:
     rng = random.Random(1)
-    belief = (SIZE, AXES * len(UPPER), 2 * AXES * PER_AXIS, 3, SIZE)
+    belief = (SIZE, AXES * len(UPPER), 2 * AXES * PER_AXIS, 3, SIZE, SIZE)
     for _ in range(200):
         single = [rng.uniform(-1.0, 1.0) for _ in range(7)]
-        force, p_n, v_n, *levels, by_lag = (tuple(rng.uniform(-1.0, 1.0) for _ in range(3)) for _ in range(8))
+        force, p_n, v_n, *levels, by_lag, by_curve = (tuple(rng.uniform(-1.0, 1.0) for _ in range(3)) for _ in range(9))
         known = [tuple(rng.uniform(-1.0, 1.0) for _ in range(size)) for size in belief]
-        given = (0.008, force, 9.8, p_n, v_n, *single[:2], *levels, *single[2:6], by_lag)
-        x, S, G, T, y = known
-        machine = outcome(step_of(learning, True), *given, x, packed(S), packed(G), T, packed(y))
+        given = (0.008, force, 9.8, p_n, v_n, *single[:2], *levels, *single[2:6], by_lag, by_curve)
+        x, S, G, T, *y = known
+        machine = outcome(step_of(learning, True), *given, x, packed(S), packed(G), T, *map(packed, y))
         assert machine == outcome(step_of(learning, False), *given, *known)
 
 

@@ -154,6 +154,8 @@ def _estimates(rows: Table) -> Series:
         (Field("rate_loop_lag_s", "s", "of the rate loop"), rows["rate_lag"]),
         (Field("yaw_loop_lag_s", "s", "of the yaw rate loop"), rows["yaw_lag"]),
         (Field("motor_lag_s", "s", "of the motors"), rows["motor_lag"]),
+        (Field("thrust_curve", "1", "slope of the thrust beyond proportion to its command"), rows["thrust_curve"]),
+        (Field("thrust_curve_std", "1", "of it"), rows["thrust_curve_std"]),
         (Field("path_pole_per_s", "1/s", "of the distance to the path, where chosen"), rows["path_pole"]),
     ])  # fmt: skip
 
