@@ -255,9 +255,9 @@ def _with_curve(belief: Belief, more: float) -> Belief:
     alone would take its time to come by itself."""
     if not more:
         return belief
-    x, by_curve = belief.x, unpacked(belief.by_curve)
-    scale = x[THRUST_SCALE] + by_curve[THRUST_SCALE] * more
-    return belief._replace(x=(*x[:THRUST_SCALE], scale, *x[THRUST_SCALE + 1 :]))
+    x, S, G, T, by_lag, by_curve = belief
+    scale = x[THRUST_SCALE] + unpacked(by_curve)[THRUST_SCALE] * more
+    return Belief((*x[:THRUST_SCALE], scale, *x[THRUST_SCALE + 1 :]), S, G, T, by_lag, by_curve)
 
 
 def _reset(known: EstimatorState, belief: Belief, flight_time: float, unexplained_velocity_n: Vec3) -> EstimatorState:

@@ -120,11 +120,12 @@ class RateSteering:
         memory = self._estimate(self.learn(memory), state, dt, round_trip)
         timing = self._timing(memory, dt)
         predicted = predict_vehicle(memory.estimate, memory.commands, timing.horizon)
-        capability = self._capability(memory)
+        conversion = self._conversion(memory)
+        capability = self._capability(memory, conversion)
         governor, aim = govern_aim(memory.governor, self.course, aim, capability, dt)
         flying = self._flying(memory, predicted, aim)
         command = self._ask(flying, aim)
-        thrust = self._limit_thrust(memory, command, capability, timing, dt)
+        thrust = self._limit_thrust(memory, command, capability, conversion, timing, dt)
         wanted = self._wanted_yaw(command, flying, aim, capability, timing)
         turning = self._turning(memory, command, predicted, thrust, capability, timing)
         loop = yaw_loop(memory.estimate.rate_loop, timing.lag, timing.smoothing)
@@ -195,9 +196,9 @@ class RateSteering:
         assert memory.delay is not None
         return Timing(memory.delay, 0.5 * dt, memory.estimate.rate_loop.lag, self.encoding.smoothing)
 
-    def _capability(self, memory: RateMemory) -> Capability:
-        forces, conversion = memory.estimate.motion.forces, self._conversion(memory)
-        return capability_of(forces, conversion.scale * conversion.specific(THRUST_MAX), self.tan_tilt_max)
+    def _capability(self, memory: RateMemory, conversion: ThrustConversion) -> Capability:
+        most = conversion.scale * conversion.specific(THRUST_MAX)
+        return capability_of(memory.estimate.motion.forces, most, self.tan_tilt_max)
 
     def _flying(self, memory: RateMemory, predicted: PredictedState, aim: Aim) -> Flying:
         """The predicted state as the law takes it."""
@@ -217,14 +218,14 @@ class RateSteering:
         return ask(self.law, self.hold, flying, aim)
 
     def _limit_thrust(
-        self, memory: RateMemory, command: Command, capability: Capability, timing: Timing, dt: float
-    ) -> LimitedThrust:
+        self, memory: RateMemory, command: Command, capability: Capability, conversion: ThrustConversion,
+        timing: Timing, dt: float,
+    ) -> LimitedThrust:  # fmt: skip
         """Limits, thrust: it answers sooner than the rates do."""
         # zeta is that of the horizon as this step begins; the command is held for the step, whose middle is meant
-        after_horizon = timing.hold - (timing.lag - memory.estimate.rate_loop.motor_lag)
-        most = capability.specific_thrust * self.vehicle.mass
-        conversion = self._conversion(memory)
-        return limit_thrust(self.range, memory.zeta, command.zeta_derivative, dt, most, after_horizon, conversion)
+        after = timing.hold - (timing.lag - memory.estimate.rate_loop.motor_lag)
+        most, zeta_derivative = capability.specific_thrust * self.vehicle.mass, command.zeta_derivative
+        return limit_thrust(self.range, memory.zeta, zeta_derivative, dt, most, after, conversion)
 
     def _conversion(self, memory: RateMemory) -> ThrustConversion:
         motion = memory.estimate.motion
@@ -250,8 +251,7 @@ class RateSteering:
         """Yaw compensation: how the vehicle will turn by itself, and how much it can be turned."""
         (p, q, _), (wp, wq, _) = command.turn, predicted.w_b
         most, estimate = self.vehicle.mass * capability.specific_thrust, memory.estimate
-        tilting = abs(p - wp) + abs(q - wq)
-        authority = yaw_authority(memory.zeta, most, tilting, self.per_rate)
+        authority = yaw_authority(memory.zeta, most, abs(p - wp) + abs(q - wq), self.per_rate)
         r, r_dot = predict_yaw(estimate, memory.commands, timing.delay + timing.hold)
         limits = self.vehicle.limits
         fastest = math.inf if limits is None else limits.body_rates[2]
