@@ -54,11 +54,11 @@ def update_motor_lag(known: MotorLag, innovation: Innovation, dt: float) -> Moto
     """``known`` after an ``innovation``, ``dt`` s later."""
     if known.variance == 0.0:
         return known
-    lag, variance = corrected(known.lag, known.variance + MOTOR_LAG_Q * dt, innovation, innovation.by_lag)
+    lag, variance = correct_by_innovation(known.lag, known.variance + MOTOR_LAG_Q * dt, innovation, innovation.by_lag)
     return MotorLag(clamped(lag, *MOTOR_LAG_RANGE), variance)
 
 
-def corrected(
+def correct_by_innovation(
     value: float, variance: float, innovation: Innovation, slopes: tuple[float, ...], correlation: float = 1.0
 ) -> tuple[float, float]:
     """A parameter of the thrust and its variance after an ``innovation``. ``slopes``: what that would be more over what

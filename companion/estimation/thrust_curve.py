@@ -16,7 +16,7 @@ import math
 from typing import NamedTuple
 
 from companion.estimation.kalman import Innovation
-from companion.estimation.motor_lag import corrected
+from companion.estimation.motor_lag import correct_by_innovation
 from companion.frames import clamped
 
 CURVE_STD = 0.15
@@ -77,7 +77,7 @@ def update_thrust_curve(known: ThrustCurve, innovation: Innovation, dt: float) -
     """``known`` after an ``innovation``, ``dt`` s later."""
     if known.variance == 0.0:
         return known
-    slope, variance = corrected(
+    slope, variance = correct_by_innovation(
         known.slope, known.variance + CURVE_Q * dt, innovation, innovation.by_curve, CORRELATION
     )
     return ThrustCurve(clamped(slope, *CURVE_RANGE), variance)
