@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from companion.estimation.estimator import Measurement, Prior, initial_estimator_state, update_estimate
-from companion.estimation.kalman import Innovation, initial_belief, predict_and_update
-from companion.estimation.kalman_step import SIZE
+from companion.estimation.kalman import Innovation
 from companion.estimation.motor_lag import (
     MOTOR_LAG_RANGE,
     TOLD,
@@ -19,15 +18,11 @@ from companion.estimation.motor_lag import (
     told_motor_lag,
     update_motor_lag,
 )
-from companion.estimation.noise_levels import NoiseLevels
 from companion.estimation.rate_loop_model import RateLoopState, TimedCommand, alike, propagate
 from companion.frames import rotation_matrix
 
 G = 9.80665
 STILL = (0.0, 0.0, 0.0)
-LEVELS = NoiseLevels(
-    1e-6, 1e-4, (0.01, 0.02, 0.03), (0.04, 0.05, 0.06), (0.09, 0.1, 0.04), (0.002, 0.003, 0.004), 0.05**2, 0.03**2
-)
 
 
 def test_the_slope_of_the_thrust_is_that_of_the_model() -> None:
@@ -55,27 +50,6 @@ def test_motors_that_have_none_count_as_quick() -> None:
     commands = (TimedCommand(0.0, STILL, 12.0),)
     by_lag, mean = propagate_by_lag(0.0, 9.0, 0.0, commands, 0.0, 0.008)
     assert math.isfinite(by_lag) and math.isfinite(mean)
-
-
-@pytest.mark.parametrize("frozen", [False, True])
-def test_the_slopes_of_state_and_innovation_are_those_of_two_filters(frozen: bool) -> None:
-    """Measured as one of them predicts: what its gains go by with the lag, which is left out, says nothing then."""
-    rng, d = random.Random(2), 1e-5
-    one = other = initial_belief((1.0, 2.0, -3.0), (0.5, 0.0, 0.0), (0.1, 0.0, 0.0), (1.0, 0.2), (0.3, 0.5), LEVELS)
-    for k in range(80):
-        F = (rng.gauss(0.0, 1.0), rng.gauss(0.0, 1.0), rng.gauss(G, 1.0))
-        by_lag = (rng.gauss(0.0, 2.0), rng.gauss(0.0, 2.0), rng.gauss(0.0, 20.0))
-        z, learning = np.zeros(6), not (frozen and k % 3 == 0)
-        for _ in range(4):  # the velocities' prediction goes with the positions' innovation
-            p, v = (z[0], z[1], z[2]), (z[3], z[4], z[5])
-            told, seen = predict_and_update(one, 0.01, F, G, p, v, LEVELS, learning, thrust_by_lag_n=by_lag)
-            z -= seen.residual
-        one, more = told, (F[0] + d * by_lag[0], F[1] + d * by_lag[1], F[2] + d * by_lag[2])
-        other, seen_other = predict_and_update(other, 0.01, more, G, p, v, LEVELS, learning)
-    assert np.array(one.by_lag) == pytest.approx((np.array(other.x) - one.x) / d, rel=0.02, abs=0.01)
-    difference = (np.array(seen_other.residual) - seen.residual) / d
-    assert np.array(seen.by_lag) == pytest.approx(difference, rel=0.02, abs=0.01)
-    assert len(one.by_lag) == SIZE and max(map(abs, seen.by_lag)) > 0.1
 
 
 def innovation(residual: float, variance: float, slope: float) -> Innovation:

@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 import random
 
-import numpy as np
 import pytest
 
 from companion.estimation.estimator import Measurement, Prior, initial_estimator_state, update_estimate
-from companion.estimation.kalman import Innovation, initial_belief, predict_and_update
-from companion.estimation.kalman_step import SIZE
-from companion.estimation.noise_levels import NoiseLevels
+from companion.estimation.kalman import Innovation
 from companion.estimation.thrust_curve import (
     CURVE_RANGE,
     PROPORTIONAL,
@@ -24,9 +21,6 @@ from companion.frames import rotation_matrix
 
 G = 9.80665
 STILL = (0.0, 0.0, 0.0)
-LEVELS = NoiseLevels(
-    1e-6, 1e-4, (0.01, 0.02, 0.03), (0.04, 0.05, 0.06), (0.09, 0.1, 0.04), (0.002, 0.003, 0.004), 0.05**2, 0.03**2
-)
 
 
 @pytest.mark.parametrize("slope", [-0.15, 0.0, 0.18, 0.4])
@@ -50,7 +44,7 @@ def test_the_slope_of_the_thrust_is_that_of_the_curve(slope: float) -> None:
 
 
 def test_more_than_a_bent_curve_can_make_is_still_a_command() -> None:
-    assert math.isfinite(ThrustCurve(CURVE_RANGE[0], 0.0).command_for(5.0 * G, G))
+    assert math.isfinite(ThrustCurve(-0.2, 0.0).command_for(5.0 * G, G))
 
 
 @pytest.mark.parametrize("factor", [0.0, 0.3, 0.7])
@@ -71,30 +65,6 @@ def test_a_factor_of_px4_that_is_told_and_not_there_is_named() -> None:
     slope = (made(hover + d) - made(hover - d)) / (2.0 * d) * hover / made(hover) - 1.0
     assert slope < -0.1
     assert model_factor(slope, hover, m) == pytest.approx(0.0, abs=1e-6)
-
-
-@pytest.mark.parametrize("frozen", [False, True])
-def test_the_slopes_of_state_and_innovation_are_those_of_two_filters(frozen: bool) -> None:
-    """Measured as one of them predicts: what its gains go by with the curve, which is left out, says nothing then."""
-    rng, d = random.Random(2), 1e-5
-    one = other = initial_belief((1.0, 2.0, -3.0), (0.5, 0.0, 0.0), (0.1, 0.0, 0.0), (1.0, 0.2), (0.3, 0.5), LEVELS)
-    for k in range(80):
-        F = (rng.gauss(0.0, 1.0), rng.gauss(0.0, 1.0), rng.gauss(G, 1.0))
-        by_lag, by_curve = (1.0, -2.0, 5.0), (rng.gauss(0.0, 2.0), rng.gauss(0.0, 2.0), rng.gauss(2.0, 20.0))
-        z, learning = np.zeros(6), not (frozen and k % 3 == 0)
-        for _ in range(4):  # the velocities' prediction goes with the positions' innovation
-            p, v = (z[0], z[1], z[2]), (z[3], z[4], z[5])
-            told, seen = predict_and_update(
-                one, 0.01, F, G, p, v, LEVELS, learning, thrust_by_lag_n=by_lag, thrust_by_curve_n=by_curve
-            )
-            z -= seen.residual
-        one, more = told, (F[0] + d * by_curve[0], F[1] + d * by_curve[1], F[2] + d * by_curve[2])
-        other, seen_other = predict_and_update(other, 0.01, more, G, p, v, LEVELS, learning)
-    assert np.array(one.by_curve) == pytest.approx((np.array(other.x) - one.x) / d, rel=0.02, abs=0.01)
-    difference = (np.array(seen_other.residual) - seen.residual) / d
-    assert np.array(seen.by_curve) == pytest.approx(difference, rel=0.02, abs=0.01)
-    assert len(one.by_curve) == SIZE and max(map(abs, seen.by_curve)) > 0.1
-    assert one.by_lag != one.by_curve
 
 
 def innovation(residual: float, variance: float, slope: float) -> Innovation:
