@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from operator import mul
 from typing import NamedTuple
 
 from companion.frames import clamped
@@ -77,7 +76,7 @@ class Solution(NamedTuple):
 def advance_reference(known: YawReference, forecast: Forecast, drive: YawDrive, dt: float) -> YawReference:
     """The reference ``dt`` s later. ``forecast``: rad/s of r_d, from when the command acts."""
     d2, d1, d0, weights = solution(drive)
-    ahead = d0 * sum(map(mul, weights, forecast))
+    ahead = d0 * sum(weight * rate for weight, rate in zip(weights, forecast, strict=True))
     lag, torque_lag, _, low, high = drive
     e, r, a, v = known
     steps = max(1, math.ceil(dt / STEP_MAX - 1e-9))
