@@ -7,6 +7,7 @@ import random
 import numpy as np
 import pytest
 
+from companion.calculus.machine_code import unpacked
 from companion.estimation.kalman import initial_belief, predict_and_update
 from companion.estimation.kalman_step import PARAMETERS, SIZE
 from companion.estimation.noise_levels import NoiseLevels
@@ -37,7 +38,7 @@ def test_the_slopes_of_state_and_innovation_are_those_of_two_filters(parameter: 
             z -= seen.residual
         one, more = told, (F[0] + d * by[0], F[1] + d * by[1], F[2] + d * by[2])
         other, seen_other = predict_and_update(other, 0.01, more, G, p, v, LEVELS, learning)
-    of_state, of_innovation = getattr(one, f"by_{parameter}"), getattr(seen, f"by_{parameter}")
+    of_state, of_innovation = unpacked(getattr(one, f"by_{parameter}")), getattr(seen, f"by_{parameter}")
     assert np.array(of_state) == pytest.approx((np.array(other.x) - one.x) / d, rel=0.02, abs=0.01)
     difference = (np.array(seen_other.residual) - seen.residual) / d
     assert np.array(of_innovation) == pytest.approx(difference, rel=0.02, abs=0.01)
